@@ -1,0 +1,31 @@
+# C++20, every warning an error, optional sanitizer.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+# Assertions stay on in every build: NDEBUG is never set, Eigen's own checks are switched off where it matters below.
+string(REPLACE "-DNDEBUG" "" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")
+string(REPLACE "-O3" "-O2" CMAKE_CXX_FLAGS_RELEASE "${CMAKE_CXX_FLAGS_RELEASE}")
+
+add_library(waymark_warnings INTERFACE)
+target_compile_options(waymark_warnings INTERFACE -Wall -Wextra -Wpedantic -Werror)
+# Fused multiply-add contraction would let two compilers round the same source differently.
+target_compile_options(waymark_warnings INTERFACE -ffp-contract=off)
+if(CMAKE_BUILD_TYPE STREQUAL "Release")
+  target_compile_definitions(waymark_warnings INTERFACE EIGEN_NO_DEBUG)
+endif()
+
+set(WAYMARK_SANITIZE "" CACHE STRING "address, undefined, thread, or empty")
+if(WAYMARK_SANITIZE)
+  add_compile_options(-fsanitize=${WAYMARK_SANITIZE} -fno-omit-frame-pointer)
+  add_link_options(-fsanitize=${WAYMARK_SANITIZE})
+  if(WAYMARK_SANITIZE STREQUAL "undefined")
+    # Without this UBSan prints and exits 0.
+    add_compile_options(-fno-sanitize-recover=all)
+    add_link_options(-fno-sanitize-recover=all)
+  endif()
+endif()

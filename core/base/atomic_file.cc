@@ -1,0 +1,110 @@
+#include "core/base/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <string>
+
+namespace waymark {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file descriptor that is closed at the end of its scope.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  [[nodiscard]] int get() const { return fd_; }
+  [[nodiscard]] bool valid() const { return fd_ >= 0; }
+
+ private:
+  int fd_;
+};
+
+std::string reason() { return std::strerror(errno); }  // NOLINT(concurrency-mt-unsafe)
+
+ErrorKind creation_error() {
+  return errno == EACCES || errno == EPERM || errno == EROFS ? ErrorKind::permission
+                                                             : ErrorKind::cant_create;
+}
+
+bool write_all(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(fd, content.data(), content.size());
+    if (written < 0) {
+      if (errno == EINTR) continue;
+      return false;
+    }
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+}  // namespace
+
+Status write_file_atomically(const fs::path& path, std::string_view content) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) {
+    return fail(ErrorKind::cant_create, "{}: can't write: it is a folder; name a file",
+                path.string());
+  }
+  const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::string temporary = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
+  const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  if (!file.valid()) {
+    return fail(creation_error(), "{}: can't create: {}; check that the folder {} exists and is writable",
+                path.string(), reason(), folder.string());
+  }
+  const auto give_up = [&]() -> Status {
+    const std::string why = reason();
+    ::unlink(temporary.c_str());
+    return fail(ErrorKind::io, "{}: can't write {} bytes: {}; the earlier content is unchanged",
+                path.string(), content.size(), why);
+  };
+  if (!write_all(file.get(), content)) return give_up();
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  if (::fchmod(file.get(), 0666 & ~mask) != 0) return give_up();
+  if (::fsync(file.get()) != 0) return give_up();
+  if (::rename(temporary.c_str(), path.c_str()) != 0) return give_up();
+  const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (directory.valid()) ::fsync(directory.get());
+  return {};
+}
+
+Expected<std::string> read_file(const fs::path& path, std::size_t max_bytes) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.valid()) {
+    const bool denied = errno == EACCES || errno == EPERM;
+    return fail(denied ? ErrorKind::permission : ErrorKind::no_input, "{}: can't open: {}",
+                path.string(), reason());
+  }
+  struct stat status {};
+  if (::fstat(file.get(), &status) != 0 || S_ISDIR(status.st_mode)) {
+    return fail(ErrorKind::no_input, "{}: can't read: it is a folder, not a file", path.string());
+  }
+  std::string content;
+  std::array<char, 65536> buffer{};
+  for (;;) {
+    const ssize_t got = ::read(file.get(), buffer.data(), buffer.size());
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) return fail(ErrorKind::io, "{}: can't read: {}", path.string(), reason());
+    if (got == 0) return content;
+    content.append(buffer.data(), static_cast<std::size_t>(got));
+    if (content.size() > max_bytes) {
+      return fail(ErrorKind::bad_data, "{}: larger than {} bytes; this is not such a file",
+                  path.string(), max_bytes);
+    }
+  }
+}
+
+}  // namespace waymark

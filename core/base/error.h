@@ -1,0 +1,44 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <string>
+#include <tl/expected.hpp>
+#include <utility>
+
+namespace waymark {
+
+/// Why something from the outside world could not be used. The values are the sysexits codes with
+/// which a program ends when the error reaches its main function.
+enum class ErrorKind : int {
+  usage = 64,        ///< the command line is wrong
+  bad_data = 65,     ///< input was read and makes no sense
+  no_input = 66,     ///< an input file is absent or can't be opened
+  unavailable = 69,  ///< a service or device is absent
+  internal = 70,     ///< a bug of ours, or of a library
+  cant_create = 73,  ///< an output can't be created
+  io = 74,           ///< reading or writing failed half-way
+  permission = 77,   ///< not allowed
+  config = 78,       ///< a configuration file is wrong
+};
+
+/// One clear line: what failed, on what, why, and what to do about it.
+struct Error {
+  ErrorKind kind;
+  std::string message;
+
+  [[nodiscard]] int exit_code() const { return static_cast<int>(kind); }
+};
+
+template <typename T>
+using Expected = tl::expected<T, Error>;
+using Status = tl::expected<void, Error>;
+
+/// `return fail(ErrorKind::bad_data, "{}: row {}: …", path, row);`
+template <typename... Args>
+[[nodiscard]] tl::unexpected<Error> fail(ErrorKind kind, fmt::format_string<Args...> format,
+                                         Args&&... args) {
+  return tl::make_unexpected(Error{kind, fmt::format(format, std::forward<Args>(args)...)});
+}
+
+}  // namespace waymark

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/camera_model.h"
+#include "core/geometry/rigid3.h"
+
+namespace waymark {
+
+/// One camera of a rig.
+struct RigCamera {
+  std::string name;  ///< cam0, cam1, … in rig.yaml's order
+  CameraModel model;
+  Rigid3 rig_from_cam;
+  std::string serial;   ///< empty when not stated
+  std::string lens_id;  ///< empty when not stated
+  std::optional<double> readout_us;      ///< rolling-shutter read-out time of the whole image, µs
+  std::optional<bool> global_shutter;
+  std::optional<double> timeshift_cam_imu_s;  ///< printed, never used
+};
+
+/// Cameras with fixed, known places on one rigid body.
+struct Rig {
+  std::vector<RigCamera> cameras;
+  bool has_extrinsics = true;  ///< false: several cameras, no transforms; good for mono use only
+};
+
+}  // namespace waymark

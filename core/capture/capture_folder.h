@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/camera/rig.h"
+#include "core/capture/detection.h"
+#include "core/capture/frame_set.h"
+#include "core/marker/marker_catalog.h"
+
+namespace waymark {
+
+/// An image file of a capture.
+struct ImageFile {
+  int camera = 0;  ///< index in the rig
+  Stamp stamp{0};
+  std::filesystem::path path;
+};
+
+/// A capture folder (FORMATS): what is there, checked, without any image decoded yet.
+struct CaptureFolder {
+  std::filesystem::path path;
+  Rig rig;
+  MarkerCatalog catalog;
+  std::vector<ImageFile> images;  ///< by rising (stamp, camera)
+  std::optional<std::filesystem::path> detections_csv;
+  std::optional<std::filesystem::path> survey_toml;
+  Stamp sync_tolerance = kDefaultSyncTolerance;
+  std::string session;             ///< from capture.toml, may be empty
+  bool stamps_from_names = true;   ///< false: names are no stamps; sorted, 1 s apart (mono only)
+  std::vector<std::string> notes;  ///< what the user should know, one line each
+};
+
+/// Opens a capture folder in Waymark's layout. Errors: no_input (no such folder; no rig.yaml or
+/// markers.toml; neither images nor detections.csv), bad_data (a camK folder without an entry in
+/// rig.yaml, or the reverse; stamps that are no numbers in a capture with several cameras; two images
+/// with one stamp; unreadable rig, catalog or capture.toml).
+[[nodiscard]] Expected<CaptureFolder> open_capture_folder(const std::filesystem::path& path);
+
+}  // namespace waymark

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/camera/rig.h"
+#include "core/capture/detection.h"
+#include "core/marker/marker_catalog.h"
+
+namespace waymark {
+
+/// detections.csv as read: images by rising (stamp, camera), each image's detections by rising
+/// (marker id, then corners), so that the order of the rows leaves no trace.
+struct DetectionsTable {
+  std::vector<ImageDetections> images;
+  std::string detector;             ///< from our own first line, empty otherwise
+  std::string markers_fingerprint;  ///< likewise
+  int unknown_markers = 0;          ///< rows whose marker the catalog ignores or lacks; left out
+};
+
+/// Reads detections.csv: columns by header name (FORMATS: t_ns,camera,marker_id,x0…y3
+/// [,hamming,family,sxx0,sxy0,syy0,…3]); BOM and CRLF allowed; empty marker_id = image seen,
+/// nothing found. `camera` is a name of the rig. bad_data with the row's number for: a missing column, a stamp
+/// that is no integer, an unknown camera or family, NaN or infinite corners, a covariance that is not positive definite;
+/// and when mapbuilder wrote the file for other markers than `catalog` (stale). no_input when absent.
+[[nodiscard]] Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path,
+                                                            const Rig& rig,
+                                                            const MarkerCatalog& catalog);
+
+/// Text of a detections.csv with our first line `# detector=… markers=<fingerprint>`; covariance columns
+/// when every detection has covariances; corners to 4 decimals, covariances to 6 significant digits.
+[[nodiscard]] std::string format_detections_csv(const std::vector<ImageDetections>& images,
+                                                const Rig& rig, const MarkerCatalog& catalog,
+                                                const std::string& detector);
+
+}  // namespace waymark

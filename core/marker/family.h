@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+namespace waymark {
+
+/// Marker dictionaries, with the names of markers.toml. Values are stored in map files: never
+/// renumber, only append.
+enum class Family : std::uint8_t {
+  aruco_4x4_50 = 0,
+  aruco_4x4_100 = 1,
+  aruco_4x4_250 = 2,
+  aruco_4x4_1000 = 3,
+  aruco_5x5_50 = 4,
+  aruco_5x5_100 = 5,
+  aruco_5x5_250 = 6,
+  aruco_5x5_1000 = 7,
+  aruco_6x6_50 = 8,
+  aruco_6x6_100 = 9,
+  aruco_6x6_250 = 10,
+  aruco_6x6_1000 = 11,
+  aruco_7x7_50 = 12,
+  aruco_7x7_100 = 13,
+  aruco_7x7_250 = 14,
+  aruco_7x7_1000 = 15,
+  aruco_original = 16,
+  tag16h5 = 17,
+  tag25h9 = 18,
+  tag36h10 = 19,
+  tag36h11 = 20,
+};
+
+/// What a family is: its name, how many cells its code has along one side (without the black
+/// border, which is one cell wide in every family here), and how many ids.
+struct FamilyTraits {
+  Family family;
+  std::string_view name;
+  int code_cells;
+  int id_count;
+};
+
+[[nodiscard]] std::span<const FamilyTraits> all_families();
+[[nodiscard]] const FamilyTraits& traits(Family family);
+
+/// nullopt for an unknown name.
+[[nodiscard]] std::optional<Family> family_from_name(std::string_view name);
+[[nodiscard]] inline std::string_view name_of(Family family) { return traits(family).name; }
+
+/// nullopt for a number that is no family (a damaged or newer file).
+[[nodiscard]] std::optional<Family> family_from_number(int number);
+
+}  // namespace waymark

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/marker/marker_id.h"
+
+namespace waymark {
+
+/// The marker's cells as printed, upright, border included: (code_cells + 2)² values row by row from the
+/// top-left as seen from the front; 0 = black, 1 = white. From OpenCV's dictionaries.
+/// The id's number must lie within its family (checked).
+struct MarkerBits {
+  int cells = 0;  ///< along one side, with the border
+  std::vector<std::uint8_t> white;
+
+  [[nodiscard]] bool is_white(int row, int column) const {
+    return white[static_cast<std::size_t>(row * cells + column)] != 0;
+  }
+};
+
+[[nodiscard]] MarkerBits marker_bits(const MarkerId& id);
+
+}  // namespace waymark

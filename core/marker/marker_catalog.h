@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/marker/marker_id.h"
+
+namespace waymark {
+
+/// The markers that exist in a building: families in use, sizes, ids to ignore (markers.toml).
+class MarkerCatalog {
+ public:
+  /// One [markers] block.
+  struct FamilyEntry {
+    Family family = Family::aruco_4x4_1000;
+    std::optional<double> default_size_m;  ///< without it only the listed ids exist
+    std::map<int, double> size_m_by_id;
+    std::set<int> ignored;
+  };
+
+  MarkerCatalog() = default;
+  explicit MarkerCatalog(std::vector<FamilyEntry> entries) : entries_(std::move(entries)) {}
+
+  [[nodiscard]] const std::vector<FamilyEntry>& entries() const { return entries_; }
+
+  /// Outer edge of the black border (m); nullopt for a marker that is ignored or does not exist here.
+  [[nodiscard]] std::optional<double> size_m(const MarkerId& id) const;
+
+  /// Whether several families meet, so that ids are written "family:number".
+  [[nodiscard]] bool several_families() const { return entries_.size() > 1; }
+
+  /// The family that a bare number means; nullopt when several meet.
+  [[nodiscard]] std::optional<Family> only_family() const;
+
+  /// "12" or "tag36h11:12", as several_families() asks.
+  [[nodiscard]] std::string format(const MarkerId& id) const {
+    return format_marker_id(id, several_families());
+  }
+
+  /// Stable 16-digit hexadecimal fingerprint of the content; written into detections.csv so that
+  /// a stale one is found.
+  [[nodiscard]] std::string fingerprint() const;
+
+ private:
+  std::vector<FamilyEntry> entries_;
+};
+
+/// Reads markers.toml ([markers] or several [[markers]]). bad_data with line numbers for: unknown
+/// keys or families, sizes that are not positive and finite (or > 100 m), ids outside the family,
+/// an id in two ranges, a family in two blocks, malformed ranges. no_input when absent.
+[[nodiscard]] Expected<MarkerCatalog> read_marker_catalog(const std::filesystem::path& path);
+[[nodiscard]] Expected<MarkerCatalog> parse_marker_catalog(std::string_view text,
+                                                           const std::string& name);
+
+/// Text of a markers.toml that reads back to the same catalog (used by the simulator, importers).
+[[nodiscard]] std::string format_marker_catalog(const MarkerCatalog& catalog);
+
+}  // namespace waymark
