@@ -7,9 +7,10 @@
 
 namespace waymark {
 
-/// The marker's cells as printed, upright, border included: (code_cells + 2)² values row by row from the
-/// top-left as seen from the front; 0 = black, 1 = white. From OpenCV's dictionaries.
-/// The id's number must lie within its family (checked).
+/// The marker's cells as printed, upright, border included: (code_cells + 2)² values row by row
+/// from the top-left as seen from the front; 0 = black, 1 = white. Upright is as OpenCV draws the
+/// ArUco families and as AprilTag's own library draws the AprilTag families (there OpenCV's
+/// pictures stand upside down). The id's number must lie within its family (checked).
 struct MarkerBits {
   int cells = 0;  ///< along one side, with the border
   std::vector<std::uint8_t> white;

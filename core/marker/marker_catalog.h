@@ -28,7 +28,8 @@ class MarkerCatalog {
 
   [[nodiscard]] const std::vector<FamilyEntry>& entries() const { return entries_; }
 
-  /// Outer edge of the black border (m); nullopt for a marker that is ignored or does not exist here.
+  /// Outer edge of the black border (m); nullopt for a marker that is ignored or does not exist
+  /// here.
   [[nodiscard]] std::optional<double> size_m(const MarkerId& id) const;
 
   /// Whether several families meet, so that ids are written "family:number".

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+
+#include "core/base/error.h"
+
+namespace waymark {
+
+/// Parses TOML. A syntax error is an `error` (bad_data, or config for configuration files) that
+/// names `name`, which stands for the path in messages, and the line.
+[[nodiscard]] Expected<toml::table> parse_toml(std::string_view text, const std::string& name,
+                                               ErrorKind error = ErrorKind::bad_data);
+
+/// The same from a file. Errors of read_file besides; larger than 16 MB is no such file.
+[[nodiscard]] Expected<toml::table> read_toml(const std::filesystem::path& path,
+                                              ErrorKind error = ErrorKind::bad_data);
+
+/// "name: line 12", for messages about a parsed value.
+[[nodiscard]] std::string toml_place(const std::string& name, const toml::node& node);
+
+/// Fails on the first key of `table` that is not in `known`, so that a misspelt key is not ignored.
+[[nodiscard]] Status check_toml_keys(const toml::table& table,
+                                     std::initializer_list<std::string_view> known,
+                                     const std::string& name,
+                                     ErrorKind error = ErrorKind::bad_data);
+
+}  // namespace waymark

@@ -1,0 +1,52 @@
+#include "core/marker/marker_bits.h"
+
+#include <opencv2/aruco/dictionary.hpp>
+
+#include "core/base/check.h"
+
+namespace waymark {
+namespace {
+
+/// OpenCV numbers its predefined dictionaries as `Family` does: the ArUco ones from DICT_4X4_50 on,
+/// then DICT_ARUCO_ORIGINAL, then the AprilTag ones.
+int opencv_dictionary(Family family) { return static_cast<int>(family); }
+static_assert(static_cast<int>(Family::aruco_4x4_50) == cv::aruco::DICT_4X4_50);
+static_assert(static_cast<int>(Family::aruco_7x7_1000) == cv::aruco::DICT_7X7_1000);
+static_assert(static_cast<int>(Family::aruco_original) == cv::aruco::DICT_ARUCO_ORIGINAL);
+static_assert(static_cast<int>(Family::tag16h5) == cv::aruco::DICT_APRILTAG_16h5);
+static_assert(static_cast<int>(Family::tag36h11) == cv::aruco::DICT_APRILTAG_36h11);
+
+/// OpenCV's AprilTag dictionaries are turned by 180° against the pictures that AprilTag itself
+/// publishes and its library draws (apriltag_to_image), for every id of all four families. What
+/// AprilTag draws is upright, so its cells are read from OpenCV's picture backwards. A detector
+/// that decodes with OpenCV's dictionary must turn its corners likewise: OpenCV's corner i is ours
+/// (i + 2) mod 4.
+bool opencv_draws_upside_down(Family family) { return family >= Family::tag16h5; }
+
+}  // namespace
+
+MarkerBits marker_bits(const MarkerId& id) {
+  const FamilyTraits& family = traits(id.family);
+  WAYMARK_CHECK(id.number >= 0 && id.number < family.id_count);
+  const auto dictionary = cv::aruco::getPredefinedDictionary(opencv_dictionary(id.family));
+  WAYMARK_CHECK(dictionary->markerSize == family.code_cells);
+  WAYMARK_CHECK(dictionary->bytesList.rows == family.id_count);
+
+  const cv::Mat code = cv::aruco::Dictionary::getBitsFromByteList(
+      dictionary->bytesList.rowRange(id.number, id.number + 1), family.code_cells);
+  MarkerBits bits;
+  bits.cells = family.code_cells + 2;
+  bits.white.assign(static_cast<std::size_t>(bits.cells * bits.cells), 0);
+  const int last = family.code_cells - 1;
+  const bool upside_down = opencv_draws_upside_down(id.family);
+  for (int row = 0; row <= last; ++row) {
+    for (int column = 0; column <= last; ++column) {
+      const auto cell = upside_down ? code.at<std::uint8_t>(last - row, last - column)
+                                    : code.at<std::uint8_t>(row, column);
+      bits.white[static_cast<std::size_t>((row + 1) * bits.cells + column + 1)] = cell;
+    }
+  }
+  return bits;
+}
+
+}  // namespace waymark

@@ -1,0 +1,296 @@
+#include "core/marker/marker_catalog.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "core/base/toml_text.h"
+
+namespace waymark {
+namespace {
+
+/// Nobody prints larger markers; a larger number is one in mm.
+constexpr double kMaxSize_m = 100.0;
+
+/// A run of ids, both ends included.
+struct IdRange {
+  int first;
+  int last;
+};
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlanks = " \t";
+  const auto first = text.find_first_not_of(kBlanks);
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
+}
+
+std::optional<int> parse_id_number(std::string_view text) {
+  text = trimmed(text);
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || number < 0) return std::nullopt;
+  return number;
+}
+
+/// "100" or "100-199".
+std::optional<IdRange> parse_id_range(std::string_view text) {
+  const auto dash = text.find('-');
+  const auto first = parse_id_number(text.substr(0, dash));
+  const auto last = dash == std::string_view::npos ? first : parse_id_number(text.substr(dash + 1));
+  if (!first || !last || *last < *first) return std::nullopt;
+  return IdRange{*first, *last};
+}
+
+/// Reads one catalog; `name` stands for the path in messages.
+class CatalogReader {
+ public:
+  explicit CatalogReader(const std::string& name) : name_(name) {}
+
+  Expected<MarkerCatalog> read(const toml::table& root) const {
+    if (const auto status = check_toml_keys(root, {"markers"}, name_); !status) {
+      return tl::make_unexpected(status.error());
+    }
+    const toml::node* const markers = root.get("markers");
+    std::vector<const toml::table*> blocks;
+    if (markers != nullptr && markers->is_table()) blocks.push_back(markers->as_table());
+    if (markers != nullptr && markers->is_array_of_tables()) {
+      for (const toml::node& block : *markers->as_array()) blocks.push_back(block.as_table());
+    }
+    if (blocks.empty()) {
+      return fail(ErrorKind::bad_data,
+                  "{}: no [markers] block; it states the family and the size_m", name_);
+    }
+    std::vector<MarkerCatalog::FamilyEntry> entries;
+    for (const toml::table* block : blocks) {
+      auto entry = read_block(*block);
+      if (!entry) return tl::make_unexpected(entry.error());
+      const auto same_family = [&](const auto& earlier) { return earlier.family == entry->family; };
+      if (std::any_of(entries.begin(), entries.end(), same_family)) {
+        return fail(ErrorKind::bad_data, "{}: family \"{}\" has two blocks; join them",
+                    toml_place(name_, *block), name_of(entry->family));
+      }
+      entries.push_back(std::move(*entry));
+    }
+    return MarkerCatalog(std::move(entries));
+  }
+
+ private:
+  using FamilyEntry = MarkerCatalog::FamilyEntry;
+
+  Expected<FamilyEntry> read_block(const toml::table& block) const {
+    if (const auto status = check_toml_keys(block, {"family", "size_m", "ignore", "sizes"}, name_);
+        !status) {
+      return tl::make_unexpected(status.error());
+    }
+    const auto family = read_family(block);
+    if (!family) return tl::make_unexpected(family.error());
+    FamilyEntry entry;
+    entry.family = *family;
+    if (const toml::node* size = block.get("size_m")) {
+      const auto size_m = read_size(*size);
+      if (!size_m) return tl::make_unexpected(size_m.error());
+      entry.default_size_m = *size_m;
+    }
+    if (const toml::node* ignore = block.get("ignore")) {
+      const auto ranges = read_ids(*ignore, entry.family);
+      if (!ranges) return tl::make_unexpected(ranges.error());
+      for (const auto& [first, last] : *ranges) {
+        for (int id = first; id <= last; ++id) entry.ignored.insert(id);
+      }
+    }
+    if (const toml::node* sizes = block.get("sizes")) {
+      if (const auto status = read_sizes(*sizes, entry); !status) {
+        return tl::make_unexpected(status.error());
+      }
+    }
+    if (!entry.default_size_m && entry.size_m_by_id.empty()) {
+      return fail(ErrorKind::bad_data,
+                  "{}: family \"{}\" has no size; give size_m, or [[markers.sizes]] with ids",
+                  toml_place(name_, block), name_of(entry.family));
+    }
+    return entry;
+  }
+
+  Expected<Family> read_family(const toml::table& block) const {
+    const toml::node* const node = block.get("family");
+    const auto text = node != nullptr ? node->value<std::string>() : std::nullopt;
+    if (!text) {
+      return fail(ErrorKind::bad_data, "{}: no family; write for instance family = \"tag36h11\"",
+                  toml_place(name_, node != nullptr ? *node : block));
+    }
+    const auto family = family_from_name(*text);
+    if (!family) {
+      std::vector<std::string_view> names;
+      for (const FamilyTraits& known : all_families()) names.push_back(known.name);
+      return fail(ErrorKind::bad_data, "{}: unknown family \"{}\"; known: {}",
+                  toml_place(name_, *node), *text, fmt::join(names, ", "));
+    }
+    return *family;
+  }
+
+  Expected<double> read_size(const toml::node& node) const {
+    const auto size_m = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!size_m || !std::isfinite(*size_m) || *size_m <= 0 || *size_m > kMaxSize_m) {
+      return fail(ErrorKind::bad_data,
+                  "{}: size_m must be a number above 0 and at most {} (metres, outer edge of the "
+                  "black border)",
+                  toml_place(name_, node), kMaxSize_m);
+    }
+    return *size_m;
+  }
+
+  Status read_sizes(const toml::node& sizes, FamilyEntry& entry) const {
+    if (!sizes.is_array_of_tables()) {
+      return fail(ErrorKind::bad_data, "{}: sizes must be [[markers.sizes]] blocks",
+                  toml_place(name_, sizes));
+    }
+    for (const toml::node& node : *sizes.as_array()) {
+      const toml::table& block = *node.as_table();
+      if (const auto status = check_toml_keys(block, {"ids", "size_m"}, name_); !status) {
+        return status;
+      }
+      const toml::node* const ids = block.get("ids");
+      const toml::node* const size = block.get("size_m");
+      if (ids == nullptr || size == nullptr) {
+        return fail(ErrorKind::bad_data, "{}: [[markers.sizes]] needs ids and size_m",
+                    toml_place(name_, block));
+      }
+      const auto size_m = read_size(*size);
+      if (!size_m) return tl::make_unexpected(size_m.error());
+      const auto ranges = read_ids(*ids, entry.family);
+      if (!ranges) return tl::make_unexpected(ranges.error());
+      for (const auto& [first, last] : *ranges) {
+        for (int id = first; id <= last; ++id) {
+          if (!entry.size_m_by_id.emplace(id, *size_m).second) {
+            return fail(ErrorKind::bad_data,
+                        "{}: id {} has a size already; it stands in two ranges",
+                        toml_place(name_, *ids), id);
+          }
+        }
+      }
+    }
+    return {};
+  }
+
+  /// ids = "100-199, 205" or [100, 101].
+  Expected<std::vector<IdRange>> read_ids(const toml::node& node, Family family) const {
+    std::vector<IdRange> ranges;
+    const auto add = [&](std::string_view text, const toml::node& at) -> Status {
+      const auto range = parse_id_range(text);
+      if (!range) {
+        return fail(ErrorKind::bad_data, "{}: \"{}\" is no id and no range such as \"100-199\"",
+                    toml_place(name_, at), trimmed(text));
+      }
+      if (range->last >= traits(family).id_count) {
+        return fail(ErrorKind::bad_data, "{}: id {}: {} has the ids 0 to {} only",
+                    toml_place(name_, at), range->last, name_of(family),
+                    traits(family).id_count - 1);
+      }
+      ranges.push_back(*range);
+      return {};
+    };
+    if (const auto text = node.value<std::string>()) {
+      for (std::size_t begin = 0; begin <= text->size();) {
+        const auto end = std::min(text->find(',', begin), text->size());
+        const auto part = std::string_view(*text).substr(begin, end - begin);
+        if (const auto status = add(part, node); !status) {
+          return tl::make_unexpected(status.error());
+        }
+        begin = end + 1;
+      }
+      return ranges;
+    }
+    const toml::array* const list = node.as_array();
+    if (list == nullptr) {
+      return fail(ErrorKind::bad_data, "{}: ids must be a text such as \"100-199, 205\" or a list",
+                  toml_place(name_, node));
+    }
+    for (const toml::node& item : *list) {
+      const auto number = item.is_integer() ? item.value<std::int64_t>() : std::nullopt;
+      const std::string text =
+          number ? fmt::format("{}", *number) : item.value_or(std::string("?"));
+      if (const auto status = add(text, item); !status) {
+        return tl::make_unexpected(status.error());
+      }
+    }
+    return ranges;
+  }
+
+  const std::string& name_;
+};
+
+/// "3-7, 9" from rising ids.
+std::string format_ids(const std::vector<int>& ids) {
+  std::string text;
+  for (std::size_t i = 0; i < ids.size();) {
+    std::size_t last = i;
+    while (last + 1 < ids.size() && ids[last + 1] == ids[last] + 1) ++last;
+    if (!text.empty()) text += ", ";
+    text += last == i ? fmt::format("{}", ids[i]) : fmt::format("{}-{}", ids[i], ids[last]);
+    i = last + 1;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::optional<double> MarkerCatalog::size_m(const MarkerId& id) const {
+  for (const FamilyEntry& entry : entries_) {
+    if (entry.family != id.family) continue;
+    if (id.number < 0 || id.number >= traits(id.family).id_count) return std::nullopt;
+    if (entry.ignored.contains(id.number)) return std::nullopt;
+    const auto listed = entry.size_m_by_id.find(id.number);
+    return listed != entry.size_m_by_id.end() ? listed->second : entry.default_size_m;
+  }
+  return std::nullopt;
+}
+
+std::optional<Family> MarkerCatalog::only_family() const {
+  if (entries_.size() != 1) return std::nullopt;
+  return entries_.front().family;
+}
+
+std::string MarkerCatalog::fingerprint() const {
+  MarkerCatalog canonical = *this;
+  std::sort(canonical.entries_.begin(), canonical.entries_.end(),
+            [](const FamilyEntry& a, const FamilyEntry& b) { return a.family < b.family; });
+  const std::string text = format_marker_catalog(canonical);
+  return fmt::format("{:016x}", XXH3_64bits(text.data(), text.size()));
+}
+
+Expected<MarkerCatalog> read_marker_catalog(const std::filesystem::path& path) {
+  const auto root = read_toml(path);
+  if (!root) return tl::make_unexpected(root.error());
+  return CatalogReader(path.string()).read(*root);
+}
+
+Expected<MarkerCatalog> parse_marker_catalog(std::string_view text, const std::string& name) {
+  const auto root = parse_toml(text, name);
+  if (!root) return tl::make_unexpected(root.error());
+  return CatalogReader(name).read(*root);
+}
+
+std::string format_marker_catalog(const MarkerCatalog& catalog) {
+  std::string text;
+  for (const auto& entry : catalog.entries()) {
+    text += fmt::format("[[markers]]\nfamily = \"{}\"\n", name_of(entry.family));
+    if (entry.default_size_m) text += fmt::format("size_m = {}\n", *entry.default_size_m);
+    if (!entry.ignored.empty()) {
+      text += fmt::format("ignore = \"{}\"\n",
+                          format_ids({entry.ignored.begin(), entry.ignored.end()}));
+    }
+    std::map<double, std::vector<int>> ids_by_size;
+    for (const auto& [id, size_m] : entry.size_m_by_id) ids_by_size[size_m].push_back(id);
+    for (const auto& [size_m, ids] : ids_by_size) {
+      text +=
+          fmt::format("[[markers.sizes]]\nids = \"{}\"\nsize_m = {}\n", format_ids(ids), size_m);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace waymark
