@@ -61,7 +61,8 @@ Status write_file_atomically(const fs::path& path, std::string_view content) {
   std::string temporary = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
   const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
   if (!file.valid()) {
-    return fail(creation_error(), "{}: can't create: {}; check that the folder {} exists and is writable",
+    return fail(creation_error(),
+                "{}: can't create: {}; check that the folder {} exists and is writable",
                 path.string(), reason(), folder.string());
   }
   const auto give_up = [&]() -> Status {

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "core/camera/camera_model.h"
+#include "core/geometry/rigid3.h"
+
+namespace waymark {
+
+using Jacobian26 = Eigen::Matrix<double, 2, 6>;
+
+/// Where one marker corner stands in the chain marker → world → rig → cam → image.
+struct CornerGeometry {
+  const CameraModel* camera = nullptr;
+  Rigid3 cam_from_rig;
+  Rigid3 world_from_rig;
+  Rigid3 world_from_marker;
+  Eigen::Vector3d x_in_marker = Eigen::Vector3d::Zero();  ///< m, from marker_corners()
+};
+
+/// What a corner residual may be differentiated by. Tangents are those of Rigid3: translation (m)
+/// then rotation (rad), in world axes.
+struct CornerJacobians {
+  Jacobian26 d_marker;  ///< by world_from_marker, eqs. 2–3 (with the minus of χ = x − π)
+  Jacobian26 d_rig;     ///< by world_from_rig, eqs. 5–6 (likewise; of the inverse motion)
+};
+
+/// The one corner residual of Waymark, χ = x − π(cam_from_rig · world_from_rig⁻¹ ·
+/// world_from_marker · X) (px), eqs. 1 and 4: serves marker adjustment (d_marker), camera-group
+/// adjustment (d_rig) and, with the marker fixed, localization. `jacobians` may be null. nullopt
+/// when the corner lies outside the camera's domain (behind it, say): then there is no residual,
+/// never a zero one.
+[[nodiscard]] std::optional<Eigen::Vector2d> corner_residual(const CornerGeometry& geometry,
+                                                             const Eigen::Vector2d& observed_px,
+                                                             CornerJacobians* jacobians);
+
+}  // namespace waymark

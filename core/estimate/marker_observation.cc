@@ -1,0 +1,75 @@
+#include "core/estimate/marker_observation.h"
+
+#include "core/estimate/corner_residual.h"
+
+namespace waymark {
+namespace {
+
+constexpr double kUnprojectable = 1e4 * 1e4;  ///< sigmas²
+
+}  // namespace
+
+Eigen::Matrix2d whitening_from_covariance(const Eigen::Matrix2d& covariance) {
+  const double l00 = std::sqrt(covariance(0, 0));
+  const double l10 = covariance(1, 0) / l00;
+  const double l11 = std::sqrt(covariance(1, 1) - l10 * l10);
+  Eigen::Matrix2d w;
+  w << 1.0 / l00, 0.0, -l10 / (l00 * l11), 1.0 / l11;
+  return w;
+}
+
+std::optional<std::array<Eigen::Vector2d, 4>> corner_residuals(const MarkerObservation& observation,
+                                                               const CameraModel& camera,
+                                                               const Rigid3& cam_from_marker) {
+  std::array<Eigen::Vector2d, 4> residuals;
+  const auto corners = marker_corners(observation.size_m);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto pixel = camera.project(cam_from_marker * corners[i]);
+    if (!pixel) return std::nullopt;
+    residuals[i] = observation.corners_px[i] - *pixel;
+  }
+  return residuals;
+}
+
+double squared_residual(const MarkerObservation& observation, const CameraModel& camera,
+                        const Rigid3& cam_from_marker) {
+  const auto residuals = corner_residuals(observation, camera, cam_from_marker);
+  if (!residuals) return kUnprojectable;
+  double sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    sum += (observation.whitening[i] * (*residuals)[i]).squaredNorm();
+  }
+  return sum;
+}
+
+void add_observation(const MarkerObservation& observation, const ObservationGeometry& geometry,
+                     const ObservationLoss& loss, FreePose free, PoseEquations& equations) {
+  CornerGeometry corner{geometry.camera, geometry.cam_from_rig, geometry.world_from_rig,
+                        geometry.world_from_marker, Eigen::Vector3d::Zero()};
+  const auto x_in_marker = marker_corners(observation.size_m);
+  Matrix6d hessian = Matrix6d::Zero();
+  Vector6d gradient = Vector6d::Zero();
+  double s = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    CornerJacobians jacobians;
+    corner.x_in_marker = x_in_marker[i];
+    const auto residual = corner_residual(corner, observation.corners_px[i], &jacobians);
+    if (!residual) {
+      equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kUnprojectable);
+      return;
+    }
+    const Eigen::Vector2d whitened = observation.whitening[i] * *residual;
+    const Jacobian26 j =
+        observation.whitening[i] * (free == FreePose::rig ? jacobians.d_rig : jacobians.d_marker);
+    hessian.noalias() += j.transpose() * j;
+    gradient.noalias() += j.transpose() * whitened;
+    s += whitened.squaredNorm();
+  }
+  const double weight = robust_weight(loss.loss, loss.scale_sigmas, s);
+  equations.hessian += weight * hessian;
+  equations.gradient += weight * gradient;
+  equations.cost += robust_cost(loss.loss, loss.scale_sigmas, s);
+  equations.corners += 4;
+}
+
+}  // namespace waymark

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "core/camera/camera_model.h"
+#include "core/capture/detection.h"
+#include "core/estimate/ippe.h"
+#include "core/estimate/pose_minimizer.h"
+#include "core/estimate/robust_loss.h"
+#include "core/geometry/rigid3.h"
+
+namespace waymark {
+
+/// One marker in one image, prepared for estimation.
+struct MarkerObservation {
+  int camera = 0;  ///< index in the rig
+  double size_m = 0;
+  ImageCorners corners_px;
+  /// W with WᵀW = Σ⁻¹ (1/px): W·χ is a corner's residual in sigmas.
+  std::array<Eigen::Matrix2d, 4> whitening;
+  std::optional<IppeSolutions> ippe;  ///< nullopt: degenerate, can't seed anything
+};
+
+/// How much a marker's eight whitened residuals together may weigh. The loss sees the marker as a
+/// whole, because a wrong id, a moved or a half-covered marker is wrong in all its corners.
+struct ObservationLoss {
+  Loss loss = Loss::huber;
+  /// (2–50 sigmas) 99 % of good observations stay below 4.5: the square root of χ²₈'s quantile.
+  double scale_sigmas = 4.5;
+};
+
+/// W = L⁻¹ with L Lᵀ = Σ, for a positive definite Σ (px²).
+[[nodiscard]] Eigen::Matrix2d whitening_from_covariance(const Eigen::Matrix2d& covariance);
+
+/// Squared residual of an observation in sigmas²: Σ over four corners |W χ|². A marker with a
+/// corner that can't be projected counts as 1e4 sigmas off, whatever its other corners say.
+[[nodiscard]] double squared_residual(const MarkerObservation& observation,
+                                      const CameraModel& camera, const Rigid3& cam_from_marker);
+
+/// Corner residuals χ = x − π (px); nullopt when one can't be projected.
+[[nodiscard]] std::optional<std::array<Eigen::Vector2d, 4>> corner_residuals(
+    const MarkerObservation& observation, const CameraModel& camera, const Rigid3& cam_from_marker);
+
+/// Which end of the chain moves.
+enum class FreePose { rig, marker };
+
+/// Where an observation stands: its camera on the rig, the rig and the marker in the world.
+struct ObservationGeometry {
+  const CameraModel* camera = nullptr;
+  Rigid3 cam_from_rig;
+  Rigid3 world_from_rig;
+  Rigid3 world_from_marker;
+};
+
+/// Adds one observation, robustly weighted, to the equations of the pose that is free.
+void add_observation(const MarkerObservation& observation, const ObservationGeometry& geometry,
+                     const ObservationLoss& loss, FreePose free, PoseEquations& equations);
+
+}  // namespace waymark

@@ -1,0 +1,141 @@
+#include "core/estimate/rig_pose_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace waymark {
+namespace {
+
+/// Twice the area (px²) of the corners' quadrangle.
+double double_area(const ImageCorners& c) {
+  const Eigen::Vector2d a = c[2] - c[0];
+  const Eigen::Vector2d b = c[3] - c[1];
+  return std::abs(a.x() * b.y() - a.y() * b.x());
+}
+
+}  // namespace
+
+RigPoseSolver::RigPoseSolver(const Rig& rig, const RigPoseOptions& options) : options_(options) {
+  for (const RigCamera& camera : rig.cameras) {
+    models_.push_back(&camera.model);
+    cam_from_rig_.push_back(camera.rig_from_cam.inverse());
+  }
+}
+
+bool RigPoseSolver::same(const Rigid3& a, const Rigid3& b) const {
+  return angle_between_rad(a.rotation, b.rotation) < options_.distinct_rad &&
+         (a.translation - b.translation).norm() < options_.distinct_m;
+}
+
+double RigPoseSolver::score(std::span<const FixedMarkerObservation> observations,
+                            const Rigid3& world_from_rig) const {
+  const double k2 = options_.score_scale_sigmas * options_.score_scale_sigmas;
+  const Rigid3 rig_from_world = world_from_rig.inverse();
+  double sum = 0;
+  for (const FixedMarkerObservation& fixed : observations) {
+    const auto camera = static_cast<std::size_t>(fixed.observation->camera);
+    const double s =
+        squared_residual(*fixed.observation, *models_[camera],
+                         cam_from_rig_[camera] * (rig_from_world * fixed.world_from_marker));
+    sum += k2 * std::log1p(s / k2);
+  }
+  return sum;
+}
+
+void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> observations) {
+  by_size_.clear();
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (observations[i].observation->ippe) {
+      by_size_.emplace_back(-double_area(observations[i].observation->corners_px), i);
+    }
+  }
+  std::sort(by_size_.begin(), by_size_.end());
+  if (by_size_.size() > static_cast<std::size_t>(options_.max_seed_observations)) {
+    by_size_.resize(static_cast<std::size_t>(options_.max_seed_observations));
+  }
+  candidates_.clear();
+  for (const auto& [size, index] : by_size_) {
+    const FixedMarkerObservation& fixed = observations[index];
+    const Rigid3& cam_from_rig = cam_from_rig_[static_cast<std::size_t>(fixed.observation->camera)];
+    for (const Rigid3& cam_from_marker : fixed.observation->ippe->cam_from_marker) {
+      const Rigid3 pose = fixed.world_from_marker * cam_from_marker.inverse() * cam_from_rig;
+      candidates_.push_back({pose, score(observations, pose)});
+    }
+  }
+  std::stable_sort(candidates_.begin(), candidates_.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+}
+
+std::optional<PoseOptimum> RigPoseSolver::refine(
+    std::span<const FixedMarkerObservation> observations, const Rigid3& start) const {
+  return minimize_pose(start, options_.max_iterations, [&](const Rigid3& world_from_rig) {
+    PoseEquations equations;
+    for (const FixedMarkerObservation& fixed : observations) {
+      const auto camera = static_cast<std::size_t>(fixed.observation->camera);
+      add_observation(
+          *fixed.observation,
+          {models_[camera], cam_from_rig_[camera], world_from_rig, fixed.world_from_marker},
+          options_.loss, FreePose::rig, equations);
+    }
+    return equations;
+  });
+}
+
+void RigPoseSolver::keep_optimum(const PoseOptimum& optimum) {
+  for (PoseOptimum& known : optima_) {
+    if (same(known.pose, optimum.pose)) {
+      if (optimum.cost < known.cost) known = optimum;
+      return;
+    }
+  }
+  optima_.push_back(optimum);
+}
+
+std::optional<RigPoseEstimate> RigPoseSolver::solve(
+    std::span<const FixedMarkerObservation> observations, std::span<const Rigid3> priors) {
+  collect_candidates(observations);
+  optima_.clear();
+  for (const Rigid3& prior : priors) {
+    if (const auto optimum = refine(observations, prior)) keep_optimum(*optimum);
+  }
+  int refined = 0;
+  for (std::size_t i = 0; i < candidates_.size() && refined < options_.max_refined; ++i) {
+    // A start beside one already taken leads to the same optimum.
+    const auto here = candidates_.begin() + static_cast<std::ptrdiff_t>(i);
+    const bool repeated = std::any_of(candidates_.begin(), here, [&](const Candidate& earlier) {
+      return same(earlier.world_from_rig, here->world_from_rig);
+    });
+    if (repeated) continue;
+    if (const auto optimum = refine(observations, here->world_from_rig)) keep_optimum(*optimum);
+    ++refined;
+  }
+  if (optima_.empty()) return std::nullopt;
+  std::stable_sort(optima_.begin(), optima_.end(),
+                   [](const PoseOptimum& a, const PoseOptimum& b) { return a.cost < b.cost; });
+  RigPoseEstimate estimate;
+  estimate.best = optima_.front();
+  if (optima_.size() > 1) {
+    estimate.runner_up = optima_[1];
+    estimate.ambiguous = optima_[1].cost - optima_[0].cost < options_.ambiguity_gap;
+  }
+  return estimate;
+}
+
+std::optional<Rigid3> paper_seed(std::span<const FixedMarkerObservation> observations,
+                                 const Rig& rig) {
+  // Equation (10).
+  const FixedMarkerObservation* best = nullptr;
+  for (const FixedMarkerObservation& fixed : observations) {
+    if (!fixed.observation->ippe) continue;
+    if (best == nullptr ||
+        fixed.observation->ippe->rms_px[0] < best->observation->ippe->rms_px[0]) {
+      best = &fixed;
+    }
+  }
+  if (best == nullptr) return std::nullopt;
+  const RigCamera& camera = rig.cameras[static_cast<std::size_t>(best->observation->camera)];
+  return best->world_from_marker * best->observation->ippe->cam_from_marker[0].inverse() *
+         camera.rig_from_cam.inverse();
+}
+
+}  // namespace waymark

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/camera/rig.h"
+#include "core/estimate/marker_observation.h"
+
+namespace waymark {
+
+/// An observation of a marker whose place in the world is known and fixed.
+struct FixedMarkerObservation {
+  const MarkerObservation* observation = nullptr;
+  Rigid3 world_from_marker;
+};
+
+/// Options of Algorithm 1. Sigmas are those that the observations are whitened by.
+struct RigPoseOptions {
+  ObservationLoss loss;  ///< eq. 9's σ(·)
+  /// Candidates are compared by k²·log(1 + s/k²), which grows for a marker that is far off without
+  /// letting it decide alone. (5–100 sigmas)
+  double score_scale_sigmas = 20.0;
+  int max_seed_observations = 12;  ///< (1–1000) the largest in the image give candidates
+  int max_refined = 4;             ///< (2–50) candidates that are optimized
+  int max_iterations = 30;         ///< (1–200) of Levenberg–Marquardt
+  /// The runner-up explains the data too when its cost exceeds the best's by less (sigmas²): 20 is
+  /// the 99.7 % quantile of χ² with 6 degrees of freedom. (0–1000)
+  double ambiguity_gap = 20.0;
+  /// Two solutions are distinct when they differ by more than this. (0.1–30°, 1 mm–1 m)
+  double distinct_rad = 0.035;
+  double distinct_m = 0.05;
+};
+
+/// What Algorithm 1 found.
+struct RigPoseEstimate {
+  PoseOptimum best;                      ///< world_from_rig
+  std::optional<PoseOptimum> runner_up;  ///< the best distinct local optimum, if one was found
+  bool ambiguous = false;                ///< the runner-up explains the data too
+};
+
+/// Algorithm 1: the pose of a rig from the observations of one frame set against fixed markers
+/// (eq. 9). Seeded by both IPPE solutions of the largest observations of all cameras, each scored
+/// on all observations, so that a flipped marker can't win (the paper's eq. 10 trusts the one
+/// marker that fits itself best). Holds its working memory: one solver per thread, reused.
+class RigPoseSolver {
+ public:
+  /// Keeps a reference to the rig's camera models; the rig must outlive the solver.
+  RigPoseSolver(const Rig& rig, const RigPoseOptions& options);
+
+  /// nullopt when no candidate exists (no observation has an IPPE solution and there is no prior)
+  /// or nothing can be projected. `priors` (world_from_rig) are further candidates; they are always
+  /// refined.
+  [[nodiscard]] std::optional<RigPoseEstimate> solve(
+      std::span<const FixedMarkerObservation> observations, std::span<const Rigid3> priors = {});
+
+  /// Local optimum from one start; nullopt when no observation can be projected there.
+  [[nodiscard]] std::optional<PoseOptimum> refine(
+      std::span<const FixedMarkerObservation> observations, const Rigid3& start) const;
+
+ private:
+  struct Candidate {
+    Rigid3 world_from_rig;
+    double score = 0;
+  };
+
+  void collect_candidates(std::span<const FixedMarkerObservation> observations);
+  [[nodiscard]] double score(std::span<const FixedMarkerObservation> observations,
+                             const Rigid3& world_from_rig) const;
+  [[nodiscard]] bool same(const Rigid3& a, const Rigid3& b) const;
+  void keep_optimum(const PoseOptimum& optimum);
+
+  RigPoseOptions options_;
+  std::vector<const CameraModel*> models_;
+  std::vector<Rigid3> cam_from_rig_;
+  std::vector<std::pair<double, std::size_t>> by_size_;
+  std::vector<Candidate> candidates_;
+  std::vector<PoseOptimum> optima_;
+};
+
+/// Eq. 10, the paper's seed, for comparison: world_from_rig by the one observation whose own IPPE
+/// solution fits its own corners best. nullopt when no observation has one.
+[[nodiscard]] std::optional<Rigid3> paper_seed(std::span<const FixedMarkerObservation> observations,
+                                               const Rig& rig);
+
+}  // namespace waymark
