@@ -16,12 +16,12 @@ struct LoadedRig {
   std::vector<std::string> notes;
 };
 
-/// Reads a Kalibr camchain (rig.yaml). cam0…camN without gaps; T_cn_cnm1 is camera n from camera n−1.
-/// With T_cam_imu on every camera the body is the rig frame and the chain (where present) must agree
-/// to 1 mm / 0.1°; on none, cam0 is the rig frame; on some: bad_data. |RᵀR − I| ≤ 1e-3 (largest
-/// element) is projected to a rotation with a note, beyond: bad_data. Several cameras
-/// without any transform: has_extrinsics is false. Extras: serial, lens_id, readout_us, global_shutter.
-/// Errors: no_input, bad_data with file, camera and key.
+/// Reads a Kalibr camchain (rig.yaml). cam0…camN without gaps; T_cn_cnm1 is camera n from camera
+/// n−1. With T_cam_imu on every camera the body is the rig frame and the chain (where present) must
+/// agree to 1 mm / 0.1°; on none, cam0 is the rig frame; on some: bad_data. |RᵀR − I| ≤ 1e-3
+/// (largest element) is projected to a rotation with a note, beyond: bad_data. Several cameras
+/// without any transform: has_extrinsics is false. Extras: serial, lens_id, readout_us,
+/// global_shutter. Errors: no_input, bad_data with file, camera and key.
 [[nodiscard]] Expected<LoadedRig> read_camchain(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the path in messages.
