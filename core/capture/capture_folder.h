@@ -34,10 +34,13 @@ struct CaptureFolder {
   std::vector<std::string> notes;  ///< what the user should know, one line each
 };
 
-/// Opens a capture folder in Waymark's layout. Errors: no_input (no such folder; no rig.yaml or
-/// markers.toml; neither images nor detections.csv), bad_data (a camK folder without an entry in
-/// rig.yaml, or the reverse; stamps that are no numbers in a capture with several cameras; two images
-/// with one stamp; unreadable rig, catalog or capture.toml).
+/// Opens a capture folder in Waymark's layout. Other files are passed over, hidden ones silently.
+/// capture.toml, every key optional: clock = "realtime" | "monotonic", session = "…",
+/// sync_tolerance_us = 0…1000000 (default 5000), codec = "…", software = "…".
+/// Errors: no_input (no such folder; no rig.yaml or markers.toml; neither images nor
+/// detections.csv), bad_data (a camK folder without an entry in rig.yaml, or the reverse; a name
+/// that is no stamp in a capture with several cameras or with other stamps; two images of one
+/// camera with one stamp; unreadable rig, catalog or capture.toml), permission, io.
 [[nodiscard]] Expected<CaptureFolder> open_capture_folder(const std::filesystem::path& path);
 
 }  // namespace waymark

@@ -25,9 +25,10 @@ struct FrameSet {
 inline constexpr Stamp kDefaultSyncTolerance = std::chrono::milliseconds(5);
 
 /// Groups images into frame sets, by rising stamp: a set starts with the earliest image left and
-/// takes, per camera, the earliest one within `tolerance` of it. Pure; the input's order does not matter.
-[[nodiscard]] std::vector<FrameSet> group_into_frame_sets(
-    std::span<const StampedImage> images, Stamp tolerance = kDefaultSyncTolerance);
+/// takes, per camera, the earliest one within `tolerance` of it. Pure; the input's order does not
+/// matter.
+[[nodiscard]] std::vector<FrameSet> group_into_frame_sets(std::span<const StampedImage> images,
+                                                          Stamp tolerance = kDefaultSyncTolerance);
 
 /// Every image a frame set of its own (mono mapping), by rising (stamp, camera).
 [[nodiscard]] std::vector<FrameSet> one_frame_set_per_image(std::span<const StampedImage> images);

@@ -38,4 +38,14 @@ struct GrayImage {
   }
 };
 
+/// A decoded image and what the user should know of it.
+struct LoadedImage {
+  GrayImage image;
+  bool orientation_ignored = false;  ///< EXIF asks for a rotation; pixels are as stored
+  bool reduced_from_16_bit = false;  ///< the upper 8 of more than 8 bits are used
+};
+
+/// Larger images than any camera takes are refused before memory is asked for.
+inline constexpr std::size_t kMaxImagePixels = 200'000'000;
+
 }  // namespace waymark

@@ -10,19 +10,13 @@ namespace waymark {
 /// Whether the name's ending is one that read_gray_image reads (jpg, jpeg, png, pgm; any case).
 [[nodiscard]] bool is_image_name(const std::filesystem::path& path);
 
-/// A decoded image and what the user should know of it.
-struct LoadedImage {
-  GrayImage image;
-  bool orientation_ignored = false;  ///< EXIF asks for a rotation; pixels are as stored
-  bool reduced_from_16_bit = false;  ///< the upper 8 of 16 bits are used
-};
-
 /// Reads JPEG (libjpeg-turbo; colour by its luma), PNG (libpng; colour by Rec. 601 luma, alpha
-/// dropped), PGM P5 (8 or 16 bit). bad_data for truncated, damaged or non-image files and for
-/// more than 200 megapixels; no_input when absent.
+/// dropped), PGM P5 (8 or 16 bit), whichever the content is. bad_data for truncated, damaged, empty
+/// or non-image files and for more than 200 megapixels; no_input when absent.
 [[nodiscard]] Expected<LoadedImage> read_gray_image(const std::filesystem::path& path);
 
-/// Writes atomically; the ending chooses the format. JPEG quality 1…100.
+/// Writes atomically; the ending (jpg, jpeg, png, pgm) chooses the format. JPEG quality 1…100.
+/// usage for another ending; otherwise the errors of write_file_atomically.
 [[nodiscard]] Status write_gray_image(const std::filesystem::path& path, const GrayView& image,
                                       int jpeg_quality = 95);
 

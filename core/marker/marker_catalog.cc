@@ -3,9 +3,9 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
+#include "core/base/text_field.h"
 #include "core/base/toml_text.h"
 
 namespace waymark {
@@ -20,27 +20,13 @@ struct IdRange {
   int last;
 };
 
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t";
-  const auto first = text.find_first_not_of(kBlanks);
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlanks) - first + 1);
-}
-
-std::optional<int> parse_id_number(std::string_view text) {
-  text = trimmed(text);
-  int number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{} || end != text.data() + text.size() || number < 0) return std::nullopt;
-  return number;
-}
-
 /// "100" or "100-199".
 std::optional<IdRange> parse_id_range(std::string_view text) {
   const auto dash = text.find('-');
-  const auto first = parse_id_number(text.substr(0, dash));
-  const auto last = dash == std::string_view::npos ? first : parse_id_number(text.substr(dash + 1));
-  if (!first || !last || *last < *first) return std::nullopt;
+  const auto first = parse_whole<int>(trimmed(text.substr(0, dash)));
+  const auto last =
+      dash == std::string_view::npos ? first : parse_whole<int>(trimmed(text.substr(dash + 1)));
+  if (!first || !last || *first < 0 || *last < *first) return std::nullopt;
   return IdRange{*first, *last};
 }
 

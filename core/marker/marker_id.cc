@@ -1,21 +1,8 @@
 #include "core/marker/marker_id.h"
 
-#include <charconv>
+#include "core/base/text_field.h"
 
 namespace waymark {
-namespace {
-
-/// A non-negative decimal number that fills the whole text.
-std::optional<int> parse_number(std::string_view text) {
-  int number = 0;
-  const char* const end = text.data() + text.size();
-  const auto [parsed_to, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc{} || parsed_to != end || text.front() == '-') return std::nullopt;
-  return number;
-}
-
-}  // namespace
-
 std::string format_marker_id(const MarkerId& id, bool with_family) {
   return with_family ? fmt::format("{}:{}", name_of(id.family), id.number)
                      : fmt::format("{}", id.number);
@@ -33,8 +20,8 @@ Expected<MarkerId> parse_marker_id(std::string_view text, std::optional<Family> 
                   family_text);
     }
   }
-  const std::optional<int> number = parse_number(number_text);
-  if (!number) {
+  const auto number = parse_whole<int>(number_text);
+  if (!number || *number < 0) {
     return fail(ErrorKind::bad_data,
                 "marker id \"{}\": not a number; write \"12\" or \"tag36h11:12\"", text);
   }

@@ -1,0 +1,341 @@
+#include "core/capture/detections_csv.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <tuple>
+
+#include "core/base/atomic_file.h"
+#include "core/base/text_field.h"
+
+namespace waymark {
+namespace {
+
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+constexpr std::string_view kOwnLinePrefix = "# detector=";
+constexpr std::string_view kFingerprintKey = " markers=";
+
+/// No image is this wide; a corner beyond it is damage, and its square would spoil later sums.
+constexpr double kMaxCorner_px = 1e6;
+
+constexpr std::array<std::string_view, 8> kCornerColumns{"x0", "y0", "x1", "y1",
+                                                         "x2", "y2", "x3", "y3"};
+constexpr std::array<std::string_view, 12> kCovarianceColumns{
+    "sxx0", "sxy0", "syy0", "sxx1", "sxy1", "syy1", "sxx2", "sxy2", "syy2", "sxx3", "sxy3", "syy3"};
+
+void split_at_commas(std::string_view line, std::vector<std::string_view>& fields) {
+  fields.clear();
+  for (std::size_t begin = 0; begin <= line.size();) {
+    const auto end = std::min(line.find(',', begin), line.size());
+    fields.push_back(trimmed(line.substr(begin, end - begin)));
+    begin = end + 1;
+  }
+}
+
+/// Where each column stands; `kAbsent` for optional ones that the header lacks.
+struct Columns {
+  static constexpr std::size_t kAbsent = static_cast<std::size_t>(-1);
+
+  std::size_t count = 0;
+  std::size_t t_ns = kAbsent;
+  std::size_t camera = kAbsent;
+  std::size_t marker_id = kAbsent;
+  std::size_t hamming = kAbsent;
+  std::size_t family = kAbsent;
+  std::array<std::size_t, 8> corners{};
+  std::array<std::size_t, 12> covariances{};
+
+  [[nodiscard]] bool has_covariances() const { return covariances[0] != kAbsent; }
+};
+
+/// One row: an image, and a marker in it unless the row only says that the image was seen.
+struct Row {
+  Stamp stamp{0};
+  int camera = 0;
+  std::optional<Detection> detection;
+  bool marker_unknown = false;
+};
+
+class Reader {
+ public:
+  Reader(const std::string& name, const Rig& rig, const MarkerCatalog& catalog)
+      : name_(name), rig_(rig), catalog_(catalog), only_family_(catalog.only_family()) {}
+
+  Expected<DetectionsTable> read(std::string_view text) {
+    if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+    DetectionsTable table;
+    std::map<std::pair<Stamp, int>, std::vector<Detection>> images;
+    while (!text.empty()) {
+      const auto end = std::min(text.find('\n'), text.size());
+      const std::string_view line = trimmed(text.substr(0, end));
+      text.remove_prefix(std::min(end + 1, text.size()));
+      ++line_;
+      if (line.empty()) continue;
+      if (line.starts_with('#')) {
+        if (const auto status = read_own_line(line, table); !status) {
+          return tl::make_unexpected(status.error());
+        }
+        continue;
+      }
+      split_at_commas(line, fields_);
+      if (columns_.count == 0) {
+        if (const auto status = read_header(); !status) {
+          return tl::make_unexpected(status.error());
+        }
+        continue;
+      }
+      auto row = read_row();
+      if (!row) return tl::make_unexpected(row.error());
+      std::vector<Detection>& image = images[{row->stamp, row->camera}];
+      if (row->detection) image.push_back(std::move(*row->detection));
+      if (row->marker_unknown) ++table.unknown_markers;
+    }
+    if (columns_.count == 0) {
+      return fail(ErrorKind::bad_data, "{}: empty; its first row must name the columns", name_);
+    }
+    table.images.reserve(images.size());
+    for (auto& [key, detections] : images) {
+      std::sort(detections.begin(), detections.end(), comes_before);
+      table.images.push_back({key.first, key.second, std::move(detections)});
+    }
+    return table;
+  }
+
+ private:
+  template <typename... Args>
+  [[nodiscard]] tl::unexpected<Error> bad_row(fmt::format_string<Args...> format,
+                                              Args&&... args) const {
+    return fail(ErrorKind::bad_data, "{}: line {}: {}", name_, line_,
+                fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  static bool comes_before(const Detection& a, const Detection& b) {
+    if (a.marker != b.marker) return a.marker < b.marker;
+    for (std::size_t i = 0; i < a.corners.size(); ++i) {
+      for (const Eigen::Index axis : {0, 1}) {
+        if (a.corners[i][axis] != b.corners[i][axis]) {
+          return a.corners[i][axis] < b.corners[i][axis];
+        }
+      }
+    }
+    return a.hamming < b.hamming;
+  }
+
+  /// `# detector=NAME markers=FINGERPRINT`, as format_detections_csv writes it; any other comment
+  /// is passed over.
+  Status read_own_line(std::string_view line, DetectionsTable& table) const {
+    const auto key = line.find(kFingerprintKey);
+    if (!line.starts_with(kOwnLinePrefix) || key == std::string_view::npos) return {};
+    table.detector = line.substr(kOwnLinePrefix.size(), key - kOwnLinePrefix.size());
+    table.markers_fingerprint = trimmed(line.substr(key + kFingerprintKey.size()));
+    if (table.markers_fingerprint != catalog_.fingerprint()) {
+      return fail(ErrorKind::bad_data,
+                  "{}: stale: it was detected for other markers than markers.toml names now; "
+                  "detect again (--redetect) or delete it",
+                  name_);
+    }
+    return {};
+  }
+
+  Status read_header() {
+    std::map<std::string_view, std::size_t> places;
+    for (std::size_t i = 0; i < fields_.size(); ++i) {
+      if (!fields_[i].empty() && !places.emplace(fields_[i], i).second) {
+        return bad_row("column \"{}\" stands twice", fields_[i]);
+      }
+    }
+    std::string_view missing;
+    const auto place = [&](std::string_view column, bool required) {
+      const auto found = places.find(column);
+      if (found != places.end()) return found->second;
+      if (required && missing.empty()) missing = column;
+      return Columns::kAbsent;
+    };
+    columns_.t_ns = place("t_ns", true);
+    columns_.camera = place("camera", true);
+    columns_.marker_id = place("marker_id", true);
+    columns_.hamming = place("hamming", false);
+    columns_.family = place("family", false);
+    for (std::size_t i = 0; i < kCornerColumns.size(); ++i) {
+      columns_.corners[i] = place(kCornerColumns[i], true);
+    }
+    const bool any_covariance =
+        std::any_of(kCovarianceColumns.begin(), kCovarianceColumns.end(),
+                    [&](std::string_view column) { return places.contains(column); });
+    for (std::size_t i = 0; i < kCovarianceColumns.size(); ++i) {
+      columns_.covariances[i] = place(kCovarianceColumns[i], any_covariance);
+    }
+    if (!missing.empty()) {
+      return bad_row("no column \"{}\"; the columns are t_ns,camera,marker_id,x0,y0,…,x3,y3",
+                     missing);
+    }
+    columns_.count = fields_.size();
+    return {};
+  }
+
+  Expected<Row> read_row() const {
+    if (fields_.size() != columns_.count) {
+      return bad_row("{} fields where the header names {}; is the file cut off?", fields_.size(),
+                     columns_.count);
+    }
+    Row row;
+    const auto t_ns = parse_whole<std::int64_t>(fields_[columns_.t_ns]);
+    if (!t_ns) return bad_row("t_ns \"{}\" is no whole number of ns", fields_[columns_.t_ns]);
+    row.stamp = Stamp(*t_ns);
+    const auto camera = std::find_if(
+        rig_.cameras.begin(), rig_.cameras.end(),
+        [&](const RigCamera& known) { return known.name == fields_[columns_.camera]; });
+    if (camera == rig_.cameras.end()) {
+      return bad_row("camera \"{}\" is not in rig.yaml", fields_[columns_.camera]);
+    }
+    row.camera = static_cast<int>(std::distance(rig_.cameras.begin(), camera));
+    if (fields_[columns_.marker_id].empty()) return row;
+
+    const auto marker = read_marker();
+    if (!marker) return tl::make_unexpected(marker.error());
+    Detection detection;
+    detection.marker = *marker;
+    if (const auto status = read_corners(detection); !status) {
+      return tl::make_unexpected(status.error());
+    }
+    if (const auto status = read_covariances(detection); !status) {
+      return tl::make_unexpected(status.error());
+    }
+    if (columns_.hamming != Columns::kAbsent && !fields_[columns_.hamming].empty()) {
+      const auto hamming = parse_whole<int>(fields_[columns_.hamming]);
+      if (!hamming || *hamming < 0) {
+        return bad_row("hamming \"{}\" is no count of bits", fields_[columns_.hamming]);
+      }
+      detection.hamming = *hamming;
+    }
+    row.marker_unknown = !catalog_.size_m(detection.marker);
+    if (!row.marker_unknown) row.detection = detection;
+    return row;
+  }
+
+  /// From marker_id ("12" or "tag36h11:12") and, where there is one, the family column.
+  Expected<MarkerId> read_marker() const {
+    std::optional<Family> family = only_family_;
+    const std::string_view stated =
+        columns_.family == Columns::kAbsent ? std::string_view{} : fields_[columns_.family];
+    if (!stated.empty()) {
+      family = family_from_name(stated);
+      if (!family) return bad_row("unknown family \"{}\"", stated);
+    }
+    const auto marker = parse_marker_id(fields_[columns_.marker_id], family);
+    if (!marker) return bad_row("{}", marker.error().message);
+    if (!stated.empty() && marker->family != *family) {
+      return bad_row("marker id \"{}\" contradicts its family column, \"{}\"",
+                     fields_[columns_.marker_id], stated);
+    }
+    return *marker;
+  }
+
+  Status read_corners(Detection& detection) const {
+    for (std::size_t i = 0; i < columns_.corners.size(); ++i) {
+      const std::string_view field = fields_[columns_.corners[i]];
+      const auto value_px = parse_whole<double>(field);
+      if (!value_px || !(std::abs(*value_px) <= kMaxCorner_px)) {
+        return bad_row("{} \"{}\" is no pixel coordinate", kCornerColumns[i], field);
+      }
+      detection.corners[i / 2][static_cast<Eigen::Index>(i % 2)] = *value_px;
+    }
+    return {};
+  }
+
+  /// A row may leave all twelve fields empty.
+  Status read_covariances(Detection& detection) const {
+    if (!columns_.has_covariances()) return {};
+    const auto empty = [&](std::size_t column) { return fields_[column].empty(); };
+    if (std::all_of(columns_.covariances.begin(), columns_.covariances.end(), empty)) return {};
+    std::array<double, 12> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::string_view field = fields_[columns_.covariances[i]];
+      const auto value = parse_whole<double>(field);
+      if (!value || !std::isfinite(*value)) {
+        return bad_row("{} \"{}\" is no number", kCovarianceColumns[i], field);
+      }
+      values[i] = *value;
+    }
+    CornerCovariances& covariances = detection.covariances.emplace();
+    for (std::size_t corner = 0; corner < covariances.size(); ++corner) {
+      const double sxx = values[3 * corner];
+      const double sxy = values[3 * corner + 1];
+      const double syy = values[3 * corner + 2];
+      if (!(sxx > 0 && syy > 0 && sxx * syy - sxy * sxy > 0)) {
+        return bad_row(
+            "the covariance of corner {} (sxx {}, sxy {}, syy {}) is not positive definite", corner,
+            sxx, sxy, syy);
+      }
+      covariances[corner] << sxx, sxy, sxy, syy;
+    }
+    return {};
+  }
+
+  const std::string& name_;
+  const Rig& rig_;
+  const MarkerCatalog& catalog_;
+  std::optional<Family> only_family_;
+  Columns columns_;
+  std::size_t line_ = 0;
+  std::vector<std::string_view> fields_;  ///< of the present line
+};
+
+bool every_detection_has_covariances(const std::vector<ImageDetections>& images) {
+  bool any = false;
+  for (const ImageDetections& image : images) {
+    for (const Detection& detection : image.detections) {
+      if (!detection.covariances) return false;
+      any = true;
+    }
+  }
+  return any;
+}
+
+}  // namespace
+
+Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path, const Rig& rig,
+                                              const MarkerCatalog& catalog) {
+  const auto text = read_file(path);
+  if (!text) return tl::make_unexpected(text.error());
+  const std::string name = path.string();
+  return Reader(name, rig, catalog).read(*text);
+}
+
+std::string format_detections_csv(const std::vector<ImageDetections>& images, const Rig& rig,
+                                  const MarkerCatalog& catalog, const std::string& detector) {
+  const bool with_covariances = every_detection_has_covariances(images);
+  std::string text;
+  auto out = std::back_inserter(text);
+  fmt::format_to(out, "{}{}{}{}\n", kOwnLinePrefix, detector, kFingerprintKey,
+                 catalog.fingerprint());
+  fmt::format_to(out, "t_ns,camera,marker_id,{},hamming", fmt::join(kCornerColumns, ","));
+  if (with_covariances) fmt::format_to(out, ",{}", fmt::join(kCovarianceColumns, ","));
+  text += '\n';
+  const std::size_t fields_per_detection =
+      kCornerColumns.size() + 1 + (with_covariances ? kCovarianceColumns.size() : 0);
+  for (const ImageDetections& image : images) {
+    const std::string image_fields = fmt::format(
+        "{},{},", image.stamp.count(), rig.cameras.at(static_cast<std::size_t>(image.camera)).name);
+    if (image.detections.empty()) {
+      text += image_fields + std::string(fields_per_detection, ',') + '\n';
+    }
+    for (const Detection& detection : image.detections) {
+      text += image_fields + catalog.format(detection.marker);
+      for (const auto& corner : detection.corners) {
+        fmt::format_to(out, ",{:.4f},{:.4f}", corner.x(), corner.y());
+      }
+      fmt::format_to(out, ",{}", detection.hamming);
+      if (with_covariances) {
+        for (const Eigen::Matrix2d& s : *detection.covariances) {
+          fmt::format_to(out, ",{:.9g},{:.9g},{:.9g}", s(0, 0), s(0, 1), s(1, 1));
+        }
+      }
+      text += '\n';
+    }
+  }
+  return text;
+}
+
+}  // namespace waymark

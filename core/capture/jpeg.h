@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/base/error.h"
+#include "core/capture/gray_image.h"
+
+namespace waymark {
+
+[[nodiscard]] bool looks_like_jpeg(std::string_view bytes);
+
+/// Decodes the luma of a JPEG by libjpeg-turbo. bad_data, without the file's name, for damaged or
+/// truncated ones, CMYK, and more than 200 megapixels. Extraneous bytes between segments, which
+/// some cameras write, are allowed.
+[[nodiscard]] Expected<LoadedImage> decode_jpeg(std::string_view bytes);
+
+/// Grey JPEG; quality 1…100 (checked), sides 1…65500 px (bad_data beyond).
+[[nodiscard]] Expected<std::string> encode_jpeg(const GrayView& image, int quality);
+
+}  // namespace waymark
