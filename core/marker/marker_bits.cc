@@ -3,25 +3,18 @@
 #include <opencv2/aruco/dictionary.hpp>
 
 #include "core/base/check.h"
+#include "core/marker/opencv_dictionary.h"
 
 namespace waymark {
 namespace {
 
-/// OpenCV numbers its predefined dictionaries as `Family` does: the ArUco ones from DICT_4X4_50 on,
-/// then DICT_ARUCO_ORIGINAL, then the AprilTag ones.
-int opencv_dictionary(Family family) { return static_cast<int>(family); }
-static_assert(static_cast<int>(Family::aruco_4x4_50) == cv::aruco::DICT_4X4_50);
-static_assert(static_cast<int>(Family::aruco_7x7_1000) == cv::aruco::DICT_7X7_1000);
-static_assert(static_cast<int>(Family::aruco_original) == cv::aruco::DICT_ARUCO_ORIGINAL);
-static_assert(static_cast<int>(Family::tag16h5) == cv::aruco::DICT_APRILTAG_16h5);
-static_assert(static_cast<int>(Family::tag36h11) == cv::aruco::DICT_APRILTAG_36h11);
-
-/// OpenCV's AprilTag dictionaries are turned by 180° against the pictures that AprilTag itself
-/// publishes and its library draws (apriltag_to_image), for every id of all four families. What
-/// AprilTag draws is upright, so its cells are read from OpenCV's picture backwards. A detector
-/// that decodes with OpenCV's dictionary must turn its corners likewise: OpenCV's corner i is ours
-/// (i + 2) mod 4.
-bool opencv_draws_upside_down(Family family) { return family >= Family::tag16h5; }
+// OpenCV numbers its predefined dictionaries as `Family` does: the ArUco ones from DICT_4X4_50 on,
+// then DICT_ARUCO_ORIGINAL, then the AprilTag ones.
+static_assert(opencv_dictionary(Family::aruco_4x4_50) == cv::aruco::DICT_4X4_50);
+static_assert(opencv_dictionary(Family::aruco_7x7_1000) == cv::aruco::DICT_7X7_1000);
+static_assert(opencv_dictionary(Family::aruco_original) == cv::aruco::DICT_ARUCO_ORIGINAL);
+static_assert(opencv_dictionary(Family::tag16h5) == cv::aruco::DICT_APRILTAG_16h5);
+static_assert(opencv_dictionary(Family::tag36h11) == cv::aruco::DICT_APRILTAG_36h11);
 
 }  // namespace
 
