@@ -1,17 +1,17 @@
 #include "core/capture/jpeg.h"
 
-// jpeglib.h needs FILE and size_t before it.
-#include <jpeglib.h>
-
+#include <array>
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
-// jerror.h needs jpeglib.h before it.
-#include <jerror.h>
-
-#include <array>
 #include <string>
+
+// In this order: jpeglib.h needs <cstdio> before it, jerror.h needs jpeglib.h.
+// clang-format off
+#include <jpeglib.h>
+#include <jerror.h>
+// clang-format on
 
 #include "core/base/check.h"
 #include "core/capture/exif.h"

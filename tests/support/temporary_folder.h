@@ -1,20 +1,22 @@
 #pragma once
 
-#include <cstdlib>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
 #include <filesystem>
 #include <fstream>
-#include <stdexcept>
+#include <iterator>
 #include <string>
 #include <string_view>
 
-namespace waymark::test {
+namespace waymark {
 
-/// An empty folder of the test's own, removed with all its content at the end.
+/// A fresh folder of the test's own, removed at the end of its scope.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "waymark-test-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder: " + name);
+    if (::mkdtemp(name.data()) == nullptr) ADD_FAILURE() << "can't create " << name;
     path_ = name;
   }
   TemporaryFolder(const TemporaryFolder&) = delete;
@@ -26,16 +28,23 @@ class TemporaryFolder {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file below the folder, making the folders it needs.
-  std::filesystem::path write(const std::filesystem::path& name, std::string_view content) const {
-    const std::filesystem::path path = path_ / name;
-    std::filesystem::create_directories(path.parent_path());
-    std::ofstream(path, std::ios::binary) << content;
-    return path;
+  /// Writes a file below the folder, with the folders it needs; returns its path.
+  std::filesystem::path write(const std::filesystem::path& relative,
+                              std::string_view content) const {
+    const std::filesystem::path file = path_ / relative;
+    std::filesystem::create_directories(file.parent_path());
+    std::ofstream(file, std::ios::binary) << content;
+    return file;
+  }
+
+  /// Content of a file below the folder; empty when there is none.
+  [[nodiscard]] std::string read(const std::filesystem::path& relative) const {
+    std::ifstream file(path_ / relative, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
   }
 
  private:
   std::filesystem::path path_;
 };
 
-}  // namespace waymark::test
+}  // namespace waymark

@@ -1,0 +1,97 @@
+#include "core/base/atomic_file.h"
+
+#include <gmock/gmock.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+std::size_t count_entries(const fs::path& folder) {
+  return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), {}));
+}
+
+TEST(AtomicFile, WritesReplacesAndReadsBack) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "map";
+  ASSERT_TRUE(write_file_atomically(file, "first"));
+  const std::string binary("\0second\n\xFF", 9);
+  ASSERT_TRUE(write_file_atomically(file, binary));
+  EXPECT_EQ(*read_file(file), binary);
+  EXPECT_EQ(count_entries(folder.path()), 1U) << "a temporary file is left over";
+}
+
+TEST(AtomicFile, WritesEmptyContentAndManyBytes) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "empty", ""));
+  EXPECT_EQ(*read_file(folder.path() / "empty"), "");
+  const std::string many(300'000, 'x');
+  ASSERT_TRUE(write_file_atomically(folder.path() / "many", many));
+  EXPECT_EQ(*read_file(folder.path() / "many"), many);
+}
+
+TEST(AtomicFile, AbsentFolderCantBeWrittenTo) {
+  const TemporaryFolder folder;
+  const auto status = write_file_atomically(folder.path() / "absent" / "map", "x");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::cant_create);
+  EXPECT_THAT(status.error().message, HasSubstr("absent"));
+}
+
+TEST(AtomicFile, FolderIsNotReplacedByAFile) {
+  const TemporaryFolder folder;
+  const auto status = write_file_atomically(folder.path(), "x");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::cant_create);
+  EXPECT_TRUE(fs::is_directory(folder.path()));
+}
+
+/// Runs in a child process, because the limit holds for all of it.
+[[noreturn]] void write_beyond_the_limit(const fs::path& file) {
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{.rlim_cur = 4096, .rlim_max = 4096};
+  if (setrlimit(RLIMIT_FSIZE, &limit) != 0) std::_Exit(1);
+  const auto status = write_file_atomically(file, std::string(100'000, 'x'));
+  std::_Exit(!status && status.error().kind == ErrorKind::io ? 74 : 1);
+}
+
+TEST(AtomicFileDeathTest, FullDiskLeavesTheEarlierContentAndNothingElse) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("map", "good");
+  EXPECT_EXIT(write_beyond_the_limit(file), testing::ExitedWithCode(74), "");
+  EXPECT_EQ(folder.read("map"), "good");
+  EXPECT_EQ(count_entries(folder.path()), 1U) << "a temporary file is left over";
+}
+
+TEST(AtomicFile, FollowsTheUmask) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "map", "x"));
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  const auto mode = static_cast<unsigned>(fs::status(folder.path() / "map").permissions());
+  EXPECT_EQ(mode, 0666U & ~mask);
+}
+
+TEST(ReadFile, SaysWhyItCant) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_file(folder.path() / "absent").error().kind, ErrorKind::no_input);
+  EXPECT_EQ(read_file(folder.path()).error().kind, ErrorKind::no_input);
+  const fs::path file = folder.write("file", "0123456789");
+  EXPECT_TRUE(read_file(file, 10));
+  EXPECT_EQ(read_file(file, 9).error().kind, ErrorKind::bad_data);
+  if (::geteuid() != 0) {  // the superuser may read everything
+    fs::permissions(file, fs::perms::none);
+    EXPECT_EQ(read_file(file).error().kind, ErrorKind::permission);
+  }
+}
+
+}  // namespace
+}  // namespace waymark

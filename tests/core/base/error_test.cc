@@ -1,0 +1,40 @@
+#include "core/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/check.h"
+
+namespace waymark {
+namespace {
+
+Expected<int> half_of(int number) {
+  if (number % 2 != 0) return fail(ErrorKind::bad_data, "{}: odd; give an even number", number);
+  return number / 2;
+}
+
+TEST(Error, CarriesOneLineAndItsExitCode) {
+  EXPECT_EQ(*half_of(8), 4);
+  const auto failed = half_of(7);
+  ASSERT_FALSE(failed.has_value());
+  EXPECT_EQ(failed.error().message, "7: odd; give an even number");
+  EXPECT_EQ(failed.error().exit_code(), 65);
+}
+
+TEST(Error, KindsAreTheSysexitsCodes) {
+  EXPECT_EQ(Error({ErrorKind::usage, ""}).exit_code(), 64);
+  EXPECT_EQ(Error({ErrorKind::no_input, ""}).exit_code(), 66);
+  EXPECT_EQ(Error({ErrorKind::unavailable, ""}).exit_code(), 69);
+  EXPECT_EQ(Error({ErrorKind::internal, ""}).exit_code(), 70);
+  EXPECT_EQ(Error({ErrorKind::cant_create, ""}).exit_code(), 73);
+  EXPECT_EQ(Error({ErrorKind::io, ""}).exit_code(), 74);
+  EXPECT_EQ(Error({ErrorKind::permission, ""}).exit_code(), 77);
+  EXPECT_EQ(Error({ErrorKind::config, ""}).exit_code(), 78);
+}
+
+TEST(CheckDeathTest, StopsWithTheConditionInEveryBuild) {
+  WAYMARK_CHECK(1 + 1 == 2);
+  EXPECT_DEATH(WAYMARK_CHECK(1 + 1 == 3), "internal check failed: 1 \\+ 1 == 3");
+}
+
+}  // namespace
+}  // namespace waymark

@@ -1,0 +1,199 @@
+#include "core/marker/marker_catalog.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/bad_input.h"
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+MarkerId tag(int number) { return {Family::tag36h11, number}; }
+
+MarkerCatalog parsed(std::string_view text) {
+  auto catalog = parse_marker_catalog(text, "markers.toml");
+  EXPECT_TRUE(catalog) << catalog.error().message;
+  return catalog ? *catalog : MarkerCatalog();
+}
+
+constexpr std::string_view kMixedSizes = R"([markers]
+family = "tag36h11"
+size_m = 0.30
+ignore = "200-220"
+[[markers.sizes]]
+ids = "100-199, 205"
+size_m = 0.25
+[[markers.sizes]]
+ids = [7, 9]
+size_m = 1
+)";
+
+TEST(MarkerCatalog, SizesByDefaultRangeAndList) {
+  const MarkerCatalog catalog = parsed(kMixedSizes);
+  EXPECT_EQ(catalog.size_m(tag(0)), 0.30);
+  EXPECT_EQ(catalog.size_m(tag(99)), 0.30);
+  EXPECT_EQ(catalog.size_m(tag(100)), 0.25);
+  EXPECT_EQ(catalog.size_m(tag(199)), 0.25);
+  EXPECT_EQ(catalog.size_m(tag(7)), 1.0);
+  EXPECT_EQ(catalog.size_m(tag(8)), 0.30);
+  EXPECT_EQ(catalog.size_m(tag(200)), std::nullopt);
+  EXPECT_EQ(catalog.size_m(tag(205)), std::nullopt) << "ignore beats sizes";
+  EXPECT_EQ(catalog.size_m(tag(221)), 0.30);
+}
+
+TEST(MarkerCatalog, MarkersOutsideItHaveNoSize) {
+  const MarkerCatalog catalog = parsed(kMixedSizes);
+  EXPECT_EQ(catalog.size_m({Family::tag36h10, 0}), std::nullopt);
+  EXPECT_EQ(catalog.size_m(tag(587)), std::nullopt);
+  EXPECT_EQ(catalog.size_m(tag(-1)), std::nullopt);
+  EXPECT_EQ(MarkerCatalog().size_m(tag(0)), std::nullopt);
+}
+
+TEST(MarkerCatalog, WithoutDefaultOnlyListedIdsExist) {
+  const MarkerCatalog catalog = parsed(
+      "[markers]\nfamily = \"aruco_4x4_1000\"\n[[markers.sizes]]\nids = \"3-4\"\nsize_m = 0.1\n");
+  EXPECT_EQ(catalog.size_m({Family::aruco_4x4_1000, 3}), 0.1);
+  EXPECT_EQ(catalog.size_m({Family::aruco_4x4_1000, 5}), std::nullopt);
+}
+
+TEST(MarkerCatalog, SeveralFamilies) {
+  const MarkerCatalog one = parsed(kMixedSizes);
+  EXPECT_EQ(one.only_family(), Family::tag36h11);
+  EXPECT_EQ(one.format(tag(3)), "3");
+
+  const MarkerCatalog two = parsed(
+      "[[markers]]\nfamily = \"tag36h11\"\nsize_m = 0.1\n"
+      "[[markers.sizes]]\nids = \"5\"\nsize_m = 0.2\n"
+      "[[markers]]\nfamily = \"aruco_original\"\nsize_m = 0.3\n"
+      "[[markers.sizes]]\nids = \"5\"\nsize_m = 0.4\n");
+  EXPECT_TRUE(two.several_families());
+  EXPECT_EQ(two.only_family(), std::nullopt);
+  EXPECT_EQ(two.format(tag(3)), "tag36h11:3");
+  EXPECT_EQ(two.size_m(tag(5)), 0.2);
+  EXPECT_EQ(two.size_m({Family::aruco_original, 5}), 0.4);
+}
+
+TEST(MarkerCatalog, ByteOrderMarkAndCrlfAreAllowed) {
+  EXPECT_EQ(parsed("\xEF\xBB\xBF[markers]\r\nfamily = \"tag16h5\"\r\nsize_m = 0.1\r\n")
+                .size_m({Family::tag16h5, 29}),
+            0.1);
+}
+
+TEST(MarkerCatalog, WrittenTextReadsBackToTheSame) {
+  for (const std::string_view text :
+       {kMixedSizes,
+        std::string_view("[[markers]]\nfamily = \"tag16h5\"\nsize_m = 0.1\n"
+                         "[[markers]]\nfamily = \"tag25h9\"\nsize_m = 0.333333333333\n")}) {
+    const MarkerCatalog catalog = parsed(text);
+    const MarkerCatalog again = parsed(format_marker_catalog(catalog));
+    EXPECT_EQ(format_marker_catalog(again), format_marker_catalog(catalog));
+    EXPECT_EQ(again.fingerprint(), catalog.fingerprint());
+    for (int number = 0; number < 587; ++number) {
+      EXPECT_EQ(again.size_m(tag(number)), catalog.size_m(tag(number)));
+    }
+  }
+}
+
+TEST(MarkerCatalog, FingerprintFollowsTheContentNotTheText) {
+  const MarkerCatalog catalog = parsed(kMixedSizes);
+  EXPECT_EQ(catalog.fingerprint().size(), 16U);
+  EXPECT_EQ(
+      parsed("# a comment\n[[markers]]\nsize_m = 0.3\nfamily = 'tag36h11'\nignore = '200-220'\n"
+             "[[markers.sizes]]\nids = [9, 7]\nsize_m = 1.0\n"
+             "[[markers.sizes]]\nids = '100-150, 151-199, 205'\nsize_m = 0.25\n")
+          .fingerprint(),
+      catalog.fingerprint());
+  const std::string ab =
+      "[[markers]]\nfamily='tag16h5'\nsize_m=1\n[[markers]]\nfamily='tag25h9'\nsize_m=2\n";
+  const std::string ba =
+      "[[markers]]\nfamily='tag25h9'\nsize_m=2\n[[markers]]\nfamily='tag16h5'\nsize_m=1\n";
+  EXPECT_EQ(parsed(ab).fingerprint(), parsed(ba).fingerprint());
+  for (const char* other :
+       {"[markers]\nfamily='tag36h11'\nsize_m=0.3\n", "[markers]\nfamily='tag36h10'\nsize_m=0.3\n",
+        "[markers]\nfamily='tag36h11'\nsize_m=0.3000001\n",
+        "[markers]\nfamily='tag36h11'\nsize_m=0.3\nignore='1'\n"}) {
+    EXPECT_NE(parsed(other).fingerprint(), catalog.fingerprint()) << other;
+  }
+}
+
+class BadMarkersToml : public testing::TestWithParam<BadInput> {};
+
+TEST_P(BadMarkersToml, IsRefusedInOneLine) {
+  const auto catalog = parse_marker_catalog(GetParam().text, "markers.toml");
+  ASSERT_FALSE(catalog);
+  EXPECT_EQ(catalog.error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(catalog.error().message, HasSubstr("markers.toml: "));
+  EXPECT_THAT(catalog.error().message, HasSubstr(GetParam().message));
+  EXPECT_EQ(catalog.error().message.find('\n'), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadMarkersToml,
+    testing::Values(
+        BadInput{"Empty", "", "no [markers] block"},
+        BadInput{"NotToml", "[markers\n", "line 1: not valid TOML"},
+        BadInput{"MarkersNoTable", "markers = 3\n", "no [markers] block"},
+        BadInput{"NoFamily", "[markers]\nsize_m = 0.1\n", "no family"},
+        BadInput{"UnknownFamily", "[markers]\nfamily = \"tag99\"\nsize_m = 0.1\n",
+                 "line 2: unknown family \"tag99\"; known: aruco_4x4_50"},
+        BadInput{"FamilyNoText", "[markers]\nfamily = 36\nsize_m = 0.1\n", "line 2: no family"},
+        BadInput{"NegativeSize", "[markers]\nfamily = \"tag36h11\"\nsize_m = -0.1\n",
+                 "line 3: size_m must be a number above 0"},
+        BadInput{"ZeroSize", "[markers]\nfamily = \"tag36h11\"\nsize_m = 0\n", "size_m must be"},
+        BadInput{"NanSize", "[markers]\nfamily = \"tag36h11\"\nsize_m = nan\n", "size_m must be"},
+        BadInput{"InfiniteSize", "[markers]\nfamily = \"tag36h11\"\nsize_m = inf\n",
+                 "size_m must be"},
+        BadInput{"SizeInMillimetres", "[markers]\nfamily = \"tag36h11\"\nsize_m = 120\n",
+                 "at most 100"},
+        BadInput{"SizeAsText", "[markers]\nfamily = \"tag36h11\"\nsize_m = \"0.1\"\n",
+                 "size_m must be"},
+        BadInput{"NoSize", "[markers]\nfamily = \"tag36h11\"\n", "has no size"},
+        BadInput{"UnknownKey", "[markers]\nfamily = \"tag36h11\"\nsize = 0.1\n",
+                 "line 3: unknown key \"size\""},
+        BadInput{"UnknownTopKey", "[marker]\nfamily = \"tag36h11\"\n", "unknown key \"marker\""},
+        BadInput{"IdInTwoRanges",
+                 "[markers]\nfamily = \"tag36h11\"\n[[markers.sizes]]\nids = \"1-5\"\nsize_m = 1\n"
+                 "[[markers.sizes]]\nids = \"5-9\"\nsize_m = 2\n",
+                 "line 7: id 5 has a size already"},
+        BadInput{"IdTwiceInOneRange",
+                 "[markers]\nfamily = \"tag36h11\"\n[[markers.sizes]]\nids = [3, 3]\nsize_m = 1\n",
+                 "id 3 has a size already"},
+        BadInput{"IdOutsideTheFamily",
+                 "[markers]\nfamily = \"tag16h5\"\nsize_m = 1\nignore = \"29-30\"\n",
+                 "line 4: id 30: tag16h5 has the ids 0 to 29"},
+        BadInput{"BackwardRange",
+                 "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = \"9-3\"\n",
+                 "\"9-3\" is no id"},
+        BadInput{"NegativeId", "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = [-1]\n",
+                 "\"-1\" is no id"},
+        BadInput{"EmptyRange", "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = \"1,,2\"\n",
+                 "\"\" is no id"},
+        BadInput{"WordRange", "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = \"all\"\n",
+                 "\"all\" is no id"},
+        BadInput{"HugeRange",
+                 "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = \"0-2000000000\"\n",
+                 "id 2000000000"},
+        BadInput{"IdsNoListNorText", "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = 3.5\n",
+                 "ids must be"},
+        BadInput{"SizesWithoutIds",
+                 "[markers]\nfamily = \"tag36h11\"\n[[markers.sizes]]\nsize_m = 1\n",
+                 "needs ids and size_m"},
+        BadInput{"SizesNoBlocks", "[markers]\nfamily = \"tag36h11\"\nsizes = 3\n",
+                 "sizes must be [[markers.sizes]]"},
+        BadInput{"FamilyTwice",
+                 "[[markers]]\nfamily = \"tag16h5\"\nsize_m = 1\n"
+                 "[[markers]]\nfamily = \"tag16h5\"\nsize_m = 2\n",
+                 "line 4: family \"tag16h5\" has two blocks"}),
+    bad_input_name);
+
+TEST(MarkerCatalog, AbsentFileIsNoInput) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_marker_catalog(folder.path() / "markers.toml").error().kind, ErrorKind::no_input);
+  const auto file = folder.write("markers.toml", "[markers]\nfamily = \"tag16h5\"\nsize_m = 0.1\n");
+  EXPECT_EQ(read_marker_catalog(file)->only_family(), Family::tag16h5);
+}
+
+}  // namespace
+}  // namespace waymark
