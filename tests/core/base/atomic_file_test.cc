@@ -13,6 +13,7 @@ namespace waymark {
 namespace {
 
 namespace fs = std::filesystem;
+using test::TemporaryFolder;
 using testing::HasSubstr;
 
 std::size_t count_entries(const fs::path& folder) {

@@ -7,6 +7,7 @@
 namespace waymark {
 namespace {
 
+using test::TemporaryFolder;
 using testing::HasSubstr;
 
 TEST(TomlText, ParsesWithByteOrderMarkAndCrlf) {
