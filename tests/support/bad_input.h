@@ -5,7 +5,7 @@
 #include <ostream>
 #include <string>
 
-namespace waymark::test {
+namespace waymark {
 
 /// Text that a reader must refuse, and what its message must say; for parameterized tests.
 struct BadInput {
@@ -23,4 +23,4 @@ inline std::string bad_input_name(const testing::TestParamInfo<BadInput>& info) 
   return info.param.name;
 }
 
-}  // namespace waymark::test
+}  // namespace waymark

@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-namespace waymark::test {
+namespace waymark {
 
 /// A fresh folder of the test's own, removed at the end of its scope.
 class TemporaryFolder {
@@ -47,4 +47,4 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-}  // namespace waymark::test
+}  // namespace waymark

@@ -13,7 +13,6 @@ namespace waymark {
 namespace {
 
 namespace fs = std::filesystem;
-using test::TemporaryFolder;
 using testing::HasSubstr;
 
 std::size_t count_entries(const fs::path& folder) {

@@ -7,7 +7,6 @@
 namespace waymark {
 namespace {
 
-using test::TemporaryFolder;
 using testing::HasSubstr;
 
 TEST(TomlText, ParsesWithByteOrderMarkAndCrlf) {

@@ -8,8 +8,6 @@
 namespace waymark {
 namespace {
 
-using test::BadInput;
-using test::TemporaryFolder;
 using testing::HasSubstr;
 
 MarkerId tag(int number) { return {Family::tag36h11, number}; }
@@ -188,7 +186,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "[[markers]]\nfamily = \"tag16h5\"\nsize_m = 1\n"
                  "[[markers]]\nfamily = \"tag16h5\"\nsize_m = 2\n",
                  "line 4: family \"tag16h5\" has two blocks"}),
-    test::bad_input_name);
+    bad_input_name);
 
 TEST(MarkerCatalog, AbsentFileIsNoInput) {
   const TemporaryFolder folder;
