@@ -48,3 +48,7 @@ class TemporaryFolder {
 };
 
 }  // namespace waymark
+
+namespace waymark::test {
+using waymark::TemporaryFolder;
+}  // namespace waymark::test
