@@ -294,7 +294,7 @@ std::optional<Eigen::Vector2d> CameraModel::project(const Eigen::Vector3d& x_in_
     if (!image) return std::nullopt;
     m = image->position;
   } else {
-    const Eigen::Vector2d n = x_in_cam.head<2>() / x_in_cam.z();
+    const Eigen::Vector2d n = x_in_cam.head<2>() * (1 / x_in_cam.z());
     if (!(x_in_cam.z() > 0 && n.squaredNorm() < max_radius_ * max_radius_)) return std::nullopt;
     m = distort_radtan(p.coefficients, n);
   }

@@ -44,7 +44,9 @@ using IntrinsicsJacobian = Eigen::Matrix<double, 2, 8>;
 class CameraModel {
  public:
   /// bad_data when sizes or focal lengths are not positive, a number is not finite, or the image's
-  /// corners can't be undistorted by less than the image's half diagonal (coefficients of another lens).
+  /// corners can't be undistorted by less than the image's half diagonal (coefficients of another
+  /// lens). Of fisheyes, whose polynomial often ends before the corners, the middles of the image's
+  /// edges are asked instead: pixels beyond have no bearing.
   [[nodiscard]] static Expected<CameraModel> create(const CameraParameters& parameters);
 
   [[nodiscard]] const CameraParameters& parameters() const { return parameters_; }

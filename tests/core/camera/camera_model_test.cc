@@ -1,0 +1,364 @@
+#include "core/camera/camera_model.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "tests/support/numeric_jacobian.h"
+
+namespace waymark {
+namespace {
+
+struct Lens {
+  const char* name;
+  CameraParameters parameters;
+};
+
+void PrintTo(const Lens& lens, std::ostream* out) { *out << lens.name; }
+
+constexpr auto kNone = Distortion::none;
+constexpr auto kRadtan = Distortion::radtan;
+constexpr auto kFisheye = Distortion::equidistant;
+
+/// Lenses of real rigs, and of the extremes between which lenses lie.
+const Lens kLenses[] = {
+    {"pinhole", {1224, 1024, 1702.0, 1702.0, 611.5, 511.5, kNone, {}}},
+    {"hand_camera",
+     {2048,
+      2048,
+      1502.3643772338376,
+      1500.5878284249407,
+      1025.6942606592718,
+      1030.4834154577413,
+      kRadtan,
+      {-0.16362577331649863, 0.09153792940542683, -0.00018620069216787472,
+       -0.0002030253527345204}}},
+    {"phone", {2016, 1512, 1661.05, 1661.05, 998.25, 762.35, kRadtan, {0.0407, -0.0236, 0.0, 0.0}}},
+    {"undistorted_radtan", {1920, 1080, 1366.43, 1365.85, 961.648, 533.627, kRadtan, {}}},
+    {"drone",
+     {752,
+      480,
+      458.654,
+      457.296,
+      367.215,
+      248.375,
+      kRadtan,
+      {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05}}},
+    {"pincushion_tangential",
+     {1280, 1024, 900.0, 905.0, 640.0, 500.0, kRadtan, {0.12, 0.03, 0.004, -0.006}}},
+    {"fisheye_0",
+     {1280,
+      1024,
+      470.338,
+      470.521,
+      639.698,
+      524.42,
+      kFisheye,
+      {-0.013211, -0.00988947, 0.0121051, -0.00452971}}},
+    {"fisheye_1",
+     {1280,
+      1024,
+      467.815,
+      467.971,
+      641.13,
+      511.084,
+      kFisheye,
+      {-0.0144969, -0.00155277, 0.00396197, -0.00200986}}},
+    {"fisheye_2",
+     {1280,
+      1024,
+      472.938,
+      472.862,
+      638.667,
+      514.481,
+      kFisheye,
+      {0.000221074, -0.0302259, 0.0280996, -0.00926951}}},
+    {"fisheye_3",
+     {1280,
+      1024,
+      471.777,
+      471.863,
+      629.462,
+      515.161,
+      kFisheye,
+      {-0.0188628, 0.00123258, 0.00485599, -0.00313224}}},
+    {"fisheye_220_degrees", {1000, 1000, 260.0, 260.0, 500.0, 500.0, kFisheye, {}}},
+};
+
+CameraModel model_of(const CameraParameters& parameters) {
+  auto model = CameraModel::create(parameters);
+  EXPECT_TRUE(model) << (model ? "" : model.error().message);
+  return *std::move(model);
+}
+
+/// Distance from the axis (in focal lengths) at which a lens's polynomial stops growing.
+double image_radius(const CameraParameters& p) {
+  if (p.distortion != kFisheye) return std::numeric_limits<double>::infinity();
+  const auto& k = p.coefficients;
+  double radius = 0;
+  for (double t = 0; t < std::numbers::pi; t += 1e-4) {
+    const double next = t + k[0] * std::pow(t, 3) + k[1] * std::pow(t, 5) + k[2] * std::pow(t, 7) +
+                        k[3] * std::pow(t, 9);
+    if (next < radius) break;
+    radius = next;
+  }
+  return radius;
+}
+
+class CameraModelOfLens : public ::testing::TestWithParam<Lens> {
+ protected:
+  /// Whether the lens can image anything there: fisheyes leave the corners of their images black.
+  [[nodiscard]] bool within_lens(const Eigen::Vector2d& pixel) const {
+    const CameraParameters& p = GetParam().parameters;
+    return std::hypot((pixel.x() - p.pu_px) / p.fu_px, (pixel.y() - p.pv_px) / p.fv_px) <
+           lens_radius_ - 1e-4;
+  }
+
+  /// Seeded random pixels of the image.
+  std::vector<Eigen::Vector2d> random_pixels(int count) {
+    const CameraParameters& p = GetParam().parameters;
+    std::uniform_real_distribution<double> x(-0.5, p.width_px - 0.5);
+    std::uniform_real_distribution<double> y(-0.5, p.height_px - 0.5);
+    std::vector<Eigen::Vector2d> pixels;
+    while (std::ssize(pixels) < count) {
+      const Eigen::Vector2d pixel(x(random_), y(random_));
+      if (within_lens(pixel)) pixels.push_back(pixel);
+    }
+    return pixels;
+  }
+
+  const CameraModel model_ = model_of(GetParam().parameters);
+  const double lens_radius_ = image_radius(GetParam().parameters);
+  std::mt19937 random_{5};
+};
+
+INSTANTIATE_TEST_SUITE_P(Lenses, CameraModelOfLens, ::testing::ValuesIn(kLenses),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(CameraModelOfLens, EveryPixelOfTheImageComesBack) {
+  const CameraParameters& p = GetParam().parameters;
+  for (double v = -0.5; v <= p.height_px - 0.5; v += p.height_px / 64.0) {
+    for (double u = -0.5; u <= p.width_px - 0.5; u += p.width_px / 64.0) {
+      const Eigen::Vector2d pixel(u, v);
+      const auto bearing = model_.bearing(pixel);
+      if (!within_lens(pixel)) continue;
+      ASSERT_TRUE(bearing) << pixel.transpose();
+      ASSERT_NEAR(bearing->norm(), 1, 1e-14);
+      const auto back = model_.project(3.7 * *bearing);
+      ASSERT_TRUE(back) << pixel.transpose();
+      ASSERT_LT((*back - pixel).norm(), 1e-9) << pixel.transpose();
+    }
+  }
+}
+
+TEST_P(CameraModelOfLens, EveryBearingComesBack) {
+  for (const Eigen::Vector2d& pixel : random_pixels(500)) {
+    const auto bearing = model_.bearing(pixel);
+    ASSERT_TRUE(bearing);
+    const auto again = model_.bearing(*model_.project(*bearing));
+    ASSERT_TRUE(again);
+    // Where the lens hardly resolves angles any more, a pixel's last digit is more than 1e-12 rad.
+    const double px_per_rad =
+        model_.project_with_jacobian(*bearing)->d_pixel_d_point.jacobiSvd().singularValues()[1];
+    ASSERT_LT((*again - *bearing).norm(), 1e-12 * std::max(1.0, 100 / px_per_rad));
+  }
+}
+
+TEST_P(CameraModelOfLens, JacobianByPointMatchesNumericDerivative) {
+  for (const Eigen::Vector2d& pixel : random_pixels(200)) {
+    const Eigen::Vector3d point = 5 * *model_.bearing(pixel);
+    const auto projection = model_.project_with_jacobian(point);
+    ASSERT_TRUE(projection);
+    EXPECT_EQ(projection->pixel, *model_.project(point));
+    const auto numeric = test::numeric_jacobian<2, 3>(
+        [&](const Eigen::Vector3d& delta) { return *model_.project(point + delta); });
+    ASSERT_LT((projection->d_pixel_d_point - numeric).cwiseAbs().maxCoeff(),
+              1e-7 * projection->d_pixel_d_point.norm());
+  }
+}
+
+TEST_P(CameraModelOfLens, JacobianByIntrinsicsMatchesNumericDerivative) {
+  const CameraParameters& p = GetParam().parameters;
+  for (const Eigen::Vector2d& pixel : random_pixels(50)) {
+    // Towards the middle, where changed coefficients keep the point in the domain.
+    const Eigen::Vector2d middle(p.pu_px, p.pv_px);
+    const Eigen::Vector3d point = 5 * *model_.bearing(middle + 0.8 * (pixel - middle));
+    IntrinsicsJacobian analytic;
+    ASSERT_TRUE(model_.project_with_jacobian(point, &analytic));
+    const auto numeric = test::numeric_jacobian<2, 8>(
+        [&](const Eigen::Matrix<double, 8, 1>& delta) {
+          CameraParameters changed = p;
+          changed.fu_px += delta[0];
+          changed.fv_px += delta[1];
+          changed.pu_px += delta[2];
+          changed.pv_px += delta[3];
+          for (std::size_t k = 0; k < 4; ++k) {
+            changed.coefficients[k] += delta[static_cast<Eigen::Index>(4 + k)];
+          }
+          return *CameraModel::create(changed)->project(point);
+        },
+        1e-4);
+    ASSERT_LT((analytic - numeric).cwiseAbs().maxCoeff(), 1e-6 * analytic.norm());
+  }
+}
+
+TEST_P(CameraModelOfLens, TheAxisIsNoSpecialPlace) {
+  const CameraParameters& p = GetParam().parameters;
+  IntrinsicsJacobian intrinsics;
+  const auto on_axis = model_.project_with_jacobian({0, 0, 2}, &intrinsics);
+  ASSERT_TRUE(on_axis);
+  EXPECT_LT((on_axis->pixel - Eigen::Vector2d(p.pu_px, p.pv_px)).norm(), 1e-12);
+  EXPECT_TRUE(intrinsics.allFinite());
+  for (const double beside : {1e-300, 1e-12, 1e-9, 1e-8, 1e-6}) {
+    const auto near = model_.project_with_jacobian({beside, -beside, 2}, &intrinsics);
+    ASSERT_TRUE(near);
+    EXPECT_TRUE(intrinsics.allFinite());
+    EXPECT_LT((near->d_pixel_d_point - on_axis->d_pixel_d_point).norm(), 0.01) << beside;
+  }
+  EXPECT_TRUE(model_.bearing({p.pu_px, p.pv_px})->isApprox(Eigen::Vector3d::UnitZ(), 1e-15));
+}
+
+TEST_P(CameraModelOfLens, WhatIsOutsideTheDomainHasNoPixel) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& x :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 0, -1), Eigen::Vector3d(nan, 0, 1),
+        Eigen::Vector3d(0, 0, nan), Eigen::Vector3d(infinity, 0, 1)}) {
+    EXPECT_FALSE(model_.project(x)) << x.transpose();
+    EXPECT_FALSE(model_.project_with_jacobian(x)) << x.transpose();
+  }
+  EXPECT_FALSE(model_.bearing({nan, 0}));
+  EXPECT_FALSE(model_.bearing({0, infinity}));
+}
+
+TEST(CameraModel, NoneIsThePinhole) {
+  const CameraModel model = model_of(kLenses[0].parameters);
+  EXPECT_TRUE(model.project({0.1, -0.2, 1})
+                  ->isApprox(Eigen::Vector2d(611.5 + 170.2, 511.5 - 340.4), 1e-15));
+  EXPECT_FALSE(model.project({0.1, 0, -1}));
+  EXPECT_FALSE(model.project({0.1, 0, 0}));
+}
+
+TEST(CameraModel, RadtanIsOpenCvs) {
+  // x' = x(1 + k1 r² + k2 r⁴) + 2 p1 x y + p2 (r² + 2x²), y' likewise, at (0.3, −0.2), r² = 0.13.
+  const CameraModel model = model_of(kLenses[5].parameters);
+  const double radial = 1 + 0.12 * 0.13 + 0.03 * 0.0169;
+  const double x = 0.3 * radial + 2 * 0.004 * -0.06 + -0.006 * (0.13 + 0.18);
+  const double y = -0.2 * radial + 0.004 * (0.13 + 0.08) + 2 * -0.006 * -0.06;
+  EXPECT_TRUE(model.project({0.6, -0.4, 2})
+                  ->isApprox(Eigen::Vector2d(900 * x + 640, 905 * y + 500), 1e-15));
+}
+
+TEST(CameraModel, RadtanEndsWhereTheRadiusStopsGrowing) {
+  // 1 + 3 k1 r² = 0 at r = 1.29099 for k1 = −0.2.
+  CameraParameters p{600, 400, 500, 500, 300, 200, kRadtan, {-0.2, 0, 0, 0}};
+  const CameraModel model = model_of(p);
+  const double end = std::sqrt(1 / 0.6);
+  EXPECT_TRUE(model.project({end - 1e-6, 0, 1}));
+  EXPECT_FALSE(model.project({end + 1e-6, 0, 1}));
+  const double largest_px = 500 * end * (1 - 0.2 * end * end) + 300;
+  EXPECT_TRUE(model.bearing({largest_px - 1e-3, 200}));
+  EXPECT_FALSE(model.bearing({largest_px + 1e-3, 200}));
+  // Tangential terms take a margin: 6 |(p1, p2)| r of the slope.
+  p.coefficients = {-0.2, 0, 0.003, 0.004};
+  const CameraModel tangential = model_of(p);
+  const double margin_end = (-0.03 + std::sqrt(0.03 * 0.03 + 4 * 0.6)) / 1.2;
+  EXPECT_TRUE(tangential.project({margin_end - 1e-6, 0, 1}));
+  EXPECT_FALSE(tangential.project({margin_end + 1e-6, 0, 1}));
+}
+
+TEST(CameraModel, RadtanIsOneToOneUpToItsEnd) {
+  const CameraModel model =
+      model_of({600, 400, 500, 500, 300, 200, kRadtan, {-0.2, 0.01, 0.003, -0.004}});
+  for (double angle = 0; angle < 6.28; angle += 0.1) {
+    for (double radius = 0.05; radius < 1.25; radius += 0.05) {
+      const Eigen::Vector3d x(radius * std::cos(angle), radius * std::sin(angle), 1);
+      const auto pixel = model.project(x);
+      if (!pixel) continue;
+      const auto back = model.bearing(*pixel);
+      ASSERT_TRUE(back) << x.transpose();
+      ASSERT_LT((*back - x.normalized()).norm(), 1e-9) << x.transpose();
+    }
+  }
+}
+
+TEST(CameraModel, EquidistantIsKannalaBrandts) {
+  const CameraModel model = model_of(kLenses[6].parameters);
+  const double theta = 0.7;
+  const double angle = theta - 0.013211 * std::pow(theta, 3) - 0.00988947 * std::pow(theta, 5) +
+                       0.0121051 * std::pow(theta, 7) - 0.00452971 * std::pow(theta, 9);
+  const Eigen::Vector2d direction(0.6, -0.8);
+  const Eigen::Vector3d x(std::sin(theta) * 0.6, std::sin(theta) * -0.8, std::cos(theta));
+  EXPECT_TRUE(
+      model.project(4 * x)->isApprox(Eigen::Vector2d(470.338 * angle * direction.x() + 639.698,
+                                                     470.521 * angle * direction.y() + 524.42),
+                                     1e-14));
+}
+
+TEST(CameraModel, FisheyesSeeBehindThemselves) {
+  const CameraModel model = model_of(kLenses[10].parameters);
+  for (const double degrees : {89.0, 90.0, 91.0, 120.0, 170.0, 179.0}) {
+    const double theta = degrees * std::numbers::pi / 180;
+    const Eigen::Vector3d x(std::sin(theta), 0, std::cos(theta));
+    const auto pixel = model.project(x);
+    ASSERT_TRUE(pixel) << degrees;
+    EXPECT_NEAR(pixel->x(), 500 + 260 * theta, 1e-9);
+    EXPECT_LT((*model.bearing(*pixel) - x).norm(), 1e-12);
+    const auto jacobian = model.project_with_jacobian(x)->d_pixel_d_point;
+    const auto numeric = test::numeric_jacobian<2, 3>(
+        [&](const Eigen::Vector3d& delta) { return *model.project(x + delta); }, 1e-4);
+    EXPECT_LT((jacobian - numeric).norm(), 1e-6 * jacobian.norm()) << degrees;
+  }
+}
+
+TEST(CameraModel, EquidistantEndsWhereTheAngleStopsGrowing) {
+  // 1 + 3 k1 θ² = 0 at θ = 1.8257 (104.6°) for k1 = −0.1.
+  const CameraModel model = model_of({600, 400, 300, 300, 300, 200, kFisheye, {-0.1, 0, 0, 0}});
+  const double end = std::sqrt(1 / 0.3);
+  const auto towards = [](double theta) {
+    return Eigen::Vector3d(0, std::sin(theta), std::cos(theta));
+  };
+  EXPECT_TRUE(model.project(towards(end - 1e-6)));
+  EXPECT_FALSE(model.project(towards(end + 1e-6)));
+  const double largest_px = 200 + 300 * end * (1 - 0.1 * end * end);
+  EXPECT_TRUE(model.bearing({300, largest_px - 1e-3}));
+  EXPECT_FALSE(model.bearing({300, largest_px + 1e-3}));
+}
+
+TEST(CameraModel, ImpossibleParametersAreRefused) {
+  const CameraParameters good = kLenses[1].parameters;
+  const auto refused = [&](auto change) {
+    CameraParameters p = good;
+    change(p);
+    const auto model = CameraModel::create(p);
+    return !model && model.error().kind == ErrorKind::bad_data;
+  };
+  EXPECT_FALSE(refused([](CameraParameters&) {}));
+  EXPECT_TRUE(refused([](auto& p) { p.width_px = 0; }));
+  EXPECT_TRUE(refused([](auto& p) { p.height_px = -1; }));
+  EXPECT_TRUE(refused([](auto& p) { p.fu_px = 0; }));
+  EXPECT_TRUE(refused([](auto& p) { p.fv_px = -1500; }));
+  EXPECT_TRUE(refused([](auto& p) { p.pu_px = std::nan(""); }));
+  EXPECT_TRUE(refused([](auto& p) { p.coefficients[3] = HUGE_VAL; }));
+  // A fisheye's picture read with a narrow lens's polynomial.
+  EXPECT_TRUE(refused([](auto& p) { p.coefficients = {-1.5, 0, 0, 0}; }));
+}
+
+TEST(CameraModel, InImageIsHalfOpenAtPixelEdges) {
+  const CameraModel model = model_of(kLenses[4].parameters);
+  EXPECT_TRUE(model.in_image({-0.5, -0.5}));
+  EXPECT_FALSE(model.in_image({-0.51, 0}));
+  EXPECT_TRUE(model.in_image({751.49, 479.49}));
+  EXPECT_FALSE(model.in_image({751.5, 0}));
+  EXPECT_FALSE(model.in_image({0, 479.5}));
+  EXPECT_FALSE(model.in_image({std::nan(""), 0}));
+}
+
+}  // namespace
+}  // namespace waymark
