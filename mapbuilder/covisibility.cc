@@ -1,0 +1,98 @@
+#include "mapbuilder/covisibility.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "core/base/check.h"
+
+namespace waymark {
+namespace {
+
+/// Disjoint sets with path halving.
+class DisjointSets {
+ public:
+  explicit DisjointSets(std::size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
+  }
+  std::size_t find(std::size_t i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+  void unite(std::size_t a, std::size_t b) {
+    a = find(a);
+    b = find(b);
+    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+double area_px2(const ImageCorners& c) {
+  const Eigen::Vector2d a = c[2] - c[0];
+  const Eigen::Vector2d b = c[3] - c[1];
+  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
+}
+
+}  // namespace
+
+std::vector<Component> connected_components(const ObservationTable& table,
+                                            const std::vector<char>& used) {
+  const std::size_t marker_count = table.markers.size();
+  DisjointSets sets(marker_count + table.frame_sets.size());
+  std::vector<char> touched(marker_count + table.frame_sets.size(), 0);
+  for (std::size_t i = 0; i < table.observations.size(); ++i) {
+    if (used[i] == 0) continue;
+    const auto marker = static_cast<std::size_t>(table.observations[i].marker);
+    const auto frame_set = marker_count + static_cast<std::size_t>(table.observations[i].frame_set);
+    sets.unite(marker, frame_set);
+    touched[marker] = touched[frame_set] = 1;
+  }
+  std::vector<int> component_of_root(touched.size(), -1);
+  std::vector<Component> components;
+  for (std::size_t i = 0; i < touched.size(); ++i) {
+    if (touched[i] == 0) continue;
+    int& index = component_of_root[sets.find(i)];
+    if (index < 0) {
+      index = static_cast<int>(components.size());
+      components.emplace_back();
+    }
+    Component& component = components[static_cast<std::size_t>(index)];
+    if (i < marker_count) {
+      component.markers.push_back(static_cast<int>(i));
+    } else {
+      component.frame_sets.push_back(static_cast<int>(i - marker_count));
+    }
+  }
+  std::stable_sort(
+      components.begin(), components.end(),
+      [](const Component& a, const Component& b) { return a.markers.size() > b.markers.size(); });
+  return components;
+}
+
+int choose_seed(const ObservationTable& table, const Component& component) {
+  WAYMARK_CHECK(!component.frame_sets.empty());
+  int best = -1;
+  std::pair<std::size_t, double> best_key{0, -1.0};
+  for (const int index : component.frame_sets) {
+    const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(index)];
+    std::vector<int> markers;
+    double area = 0;
+    for (std::size_t i = 0; i < set.observation_count; ++i) {
+      const TableObservation& o = table.observations[set.first_observation + i];
+      markers.push_back(o.marker);
+      area += area_px2(o.corners_px);
+    }
+    std::sort(markers.begin(), markers.end());
+    const auto distinct = std::unique(markers.begin(), markers.end()) - markers.begin();
+    const std::pair<std::size_t, double> key{static_cast<std::size_t>(distinct), area};
+    if (best < 0 || key > best_key) {
+      best = index;
+      best_key = key;
+    }
+  }
+  return best;
+}
+
+}  // namespace waymark
