@@ -3,12 +3,12 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <charconv>
 #include <map>
 #include <numbers>
 #include <string_view>
 
 #include "core/base/atomic_file.h"
+#include "core/base/text_field.h"
 #include "core/camera/kalibr_camera.h"
 
 namespace waymark {
@@ -23,11 +23,8 @@ constexpr double kMaxChainError_rad = 0.1 * std::numbers::pi / 180;
 std::optional<std::size_t> camera_number(std::string_view name) {
   if (!name.starts_with("cam")) return std::nullopt;
   const std::string_view digits = name.substr(3);
-  std::size_t number = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (error != std::errc{} || end != digits.data() + digits.size()) return std::nullopt;
   if (digits.size() > 1 && digits[0] == '0') return std::nullopt;
-  return number;
+  return parse_whole<std::size_t>(digits);
 }
 
 /// Sets each camera's rig_from_cam from T_cam_imu.

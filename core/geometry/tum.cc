@@ -1,12 +1,12 @@
 #include "core/geometry/tum.h"
 
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 
 #include "core/base/atomic_file.h"
+#include "core/base/text_field.h"
 
 namespace waymark {
 namespace {
@@ -28,15 +28,11 @@ std::vector<std::string_view> fields_of(std::string_view line) {
   }
 }
 
-/// A finite decimal number that fills the whole text.
+/// A finite decimal number that fills the whole text, '+' allowed.
 std::optional<double> number_from(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
+  const auto value = parse_whole<double>(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 Expected<TumPose> pose_from(const std::vector<std::string_view>& fields) {
@@ -120,15 +116,10 @@ Expected<Stamp> parse_stamp_s(std::string_view text) {
   }
   const bool round_up = fraction.size() > 9 && fraction[9] >= '5';
   fraction.resize(9, '0');
-  std::int64_t seconds = 0;
-  if (!whole.empty()) {
-    const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), seconds);
-    if (error != std::errc{}) return no_stamp();
-  }
-  if (seconds > 9'200'000'000) return no_stamp();
-  std::int64_t nanoseconds = 0;
-  std::from_chars(fraction.data(), fraction.data() + fraction.size(), nanoseconds);
-  const std::int64_t total = seconds * kNsPerSecond + nanoseconds + (round_up ? 1 : 0);
+  const auto seconds = parse_whole<std::int64_t>(whole.empty() ? "0" : whole);
+  const auto nanoseconds = parse_whole<std::int64_t>(fraction);
+  if (!seconds || *seconds > 9'200'000'000) return no_stamp();
+  const std::int64_t total = *seconds * kNsPerSecond + *nanoseconds + (round_up ? 1 : 0);
   return Stamp(negative ? -total : total);
 }
 
