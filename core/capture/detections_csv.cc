@@ -55,7 +55,15 @@ struct Row {
   int camera = 0;
   std::optional<Detection> detection;
   bool marker_unknown = false;
+  bool misordered = false;
 };
+
+/// Whether the corners enclose an area clockwise, as seen in the image (y down).
+bool run_clockwise(const ImageCorners& corners) {
+  const Eigen::Vector2d first_diagonal = corners[2] - corners[0];
+  const Eigen::Vector2d second_diagonal = corners[3] - corners[1];
+  return first_diagonal.x() * second_diagonal.y() - first_diagonal.y() * second_diagonal.x() > 0;
+}
 
 class Reader {
  public:
@@ -89,7 +97,8 @@ class Reader {
       if (!row) return tl::make_unexpected(row.error());
       std::vector<Detection>& image = images[{row->stamp, row->camera}];
       if (row->detection) image.push_back(std::move(*row->detection));
-      if (row->marker_unknown) ++table.unknown_markers;
+      table.unknown_markers += row->marker_unknown ? 1 : 0;
+      table.misordered += row->misordered ? 1 : 0;
     }
     if (columns_.count == 0) {
       return fail(ErrorKind::bad_data, "{}: empty; its first row must name the columns", name_);
@@ -140,10 +149,9 @@ class Reader {
 
   Status read_header() {
     std::map<std::string_view, std::size_t> places;
+    std::string_view doubled;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
-      if (!fields_[i].empty() && !places.emplace(fields_[i], i).second) {
-        return bad_row("column \"{}\" stands twice", fields_[i]);
-      }
+      if (!fields_[i].empty() && !places.emplace(fields_[i], i).second) doubled = fields_[i];
     }
     std::string_view missing;
     const auto place = [&](std::string_view column, bool required) {
@@ -170,6 +178,7 @@ class Reader {
       return bad_row("no column \"{}\"; the columns are t_ns,camera,marker_id,x0,y0,…,x3,y3",
                      missing);
     }
+    if (!doubled.empty()) return bad_row("column \"{}\" stands twice", doubled);
     columns_.count = fields_.size();
     return {};
   }
@@ -210,7 +219,8 @@ class Reader {
       detection.hamming = *hamming;
     }
     row.marker_unknown = !catalog_.size_m(detection.marker);
-    if (!row.marker_unknown) row.detection = detection;
+    row.misordered = !row.marker_unknown && !run_clockwise(detection.corners);
+    if (!row.marker_unknown && !row.misordered) row.detection = detection;
     return row;
   }
 

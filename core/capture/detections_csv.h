@@ -18,6 +18,9 @@ struct DetectionsTable {
   std::string detector;             ///< from our own first line, empty otherwise
   std::string markers_fingerprint;  ///< likewise
   int unknown_markers = 0;          ///< rows whose marker the catalog ignores or lacks; left out
+  /// Rows whose corners do not run clockwise in the image, as top-left, top-right, bottom-right,
+  /// bottom-left do wherever the camera stands; left out. Many: another tool's corner order.
+  int misordered = 0;
 };
 
 /// Reads detections.csv: columns by header name (FORMATS: t_ns,camera,marker_id,x0…y3

@@ -33,6 +33,7 @@ struct GrayImage {
   [[nodiscard]] std::uint8_t* row(int y) {
     return pixels.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(width_px);
   }
+  [[nodiscard]] const std::uint8_t* row(int y) const { return view().row(y); }
   [[nodiscard]] GrayView view() const {
     return {pixels.data(), width_px, height_px, static_cast<std::size_t>(width_px)};
   }

@@ -1,0 +1,283 @@
+#include "core/capture/detections_csv.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <chrono>
+#include <random>
+
+#include "core/camera/kalibr.h"
+#include "tests/support/bad_input.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_capture.h"
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kHeader = "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n";
+
+class DetectionsCsv : public testing::Test {
+ protected:
+  [[nodiscard]] Expected<DetectionsTable> read(std::string_view text) const {
+    return read_detections_csv(folder_.write("detections.csv", text), rig_, catalog_);
+  }
+
+  [[nodiscard]] DetectionsTable good(std::string_view text) const {
+    auto table = read(text);
+    EXPECT_TRUE(table) << table.error().message;
+    return table ? *table : DetectionsTable();
+  }
+
+  TemporaryFolder folder_;
+  Rig rig_ = parse_camchain(tiny_rig_yaml(2), "rig.yaml")->rig;
+  MarkerCatalog catalog_ = *parse_marker_catalog(tiny_markers_toml(), "markers.toml");
+};
+
+TEST_F(DetectionsCsv, RowsBecomeImagesWithDetections) {
+  const auto table = good(std::string(kHeader) +
+                          "1511000000000000001,cam1,12,10.5,11,20,11,20,21,10,21\n"
+                          "1511000000000000001,cam1,7,1,1,2,1,2,2,1,2\n"
+                          "1511000000000000000,cam0,3,1,1,2,1,2,2,1,2\n");
+  ASSERT_EQ(table.images.size(), 2U);
+  EXPECT_EQ(table.images[0].stamp.count(), 1511000000000000000);
+  EXPECT_EQ(table.images[0].camera, 0);
+  EXPECT_EQ(table.images[1].camera, 1);
+  ASSERT_EQ(table.images[1].detections.size(), 2U);
+  EXPECT_EQ(table.images[1].detections[0].marker, (MarkerId{Family::tag36h11, 7}));
+  const Detection& detection = table.images[1].detections[1];
+  EXPECT_EQ(detection.marker.number, 12);
+  EXPECT_EQ(detection.corners[0], Eigen::Vector2d(10.5, 11));
+  EXPECT_EQ(detection.corners[3], Eigen::Vector2d(10, 21));
+  EXPECT_EQ(detection.hamming, 0);
+  EXPECT_FALSE(detection.covariances);
+  EXPECT_TRUE(table.detector.empty());
+}
+
+TEST_F(DetectionsCsv, ColumnsAreFoundByNameAndOthersPassedOver) {
+  const auto table = good(
+      "camera , y3,x3,y2,x2,y1,x1,y0,x0, note,hamming,marker_id,t_ns\n"
+      "cam0, 8,1,8,7,2,7,2,1, hello there, 2, 5, -40 \n");
+  ASSERT_EQ(table.images.size(), 1U);
+  EXPECT_EQ(table.images[0].stamp.count(), -40);
+  EXPECT_EQ(table.images[0].detections[0].corners[2], Eigen::Vector2d(7, 8));
+  EXPECT_EQ(table.images[0].detections[0].hamming, 2);
+}
+
+TEST_F(DetectionsCsv, EmptyMarkerIdIsAnImageWithNothingFound) {
+  const auto table = good(std::string(kHeader) + "5,cam0,,,,,,,,,\n");
+  ASSERT_EQ(table.images.size(), 1U);
+  EXPECT_TRUE(table.images[0].detections.empty());
+}
+
+TEST_F(DetectionsCsv, ByteOrderMarkCrlfCommentsAndBlankLinesAreAllowed) {
+  const auto table = good(
+      "\xEF\xBB\xBF# by hand\r\nt_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\r\n"
+      "\r\n5,cam0,3,1,1,2,1,2,2,1,2\r\n# the end");
+  ASSERT_EQ(table.images.size(), 1U);
+  EXPECT_EQ(table.images[0].detections[0].corners[3], Eigen::Vector2d(1, 2));
+}
+
+TEST_F(DetectionsCsv, FamilyFromItsColumnOrTheId) {
+  catalog_ = *parse_marker_catalog(
+      "[[markers]]\nfamily='tag36h11'\nsize_m=1\n[[markers]]\nfamily='aruco_original'\nsize_m=1\n",
+      "markers.toml");
+  const auto table = good(
+      "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3,family\n"
+      "5,cam0,3,1,1,2,1,2,2,1,2,aruco_original\n"
+      "5,cam0,tag36h11:3,1,1,2,1,2,2,1,2,\n"
+      "5,cam0,tag36h11:4,1,1,2,1,2,2,1,2,tag36h11\n");
+  ASSERT_EQ(table.images[0].detections.size(), 3U);
+  EXPECT_EQ(table.images[0].detections[0].marker, (MarkerId{Family::aruco_original, 3}));
+  EXPECT_EQ(table.images[0].detections[1].marker, (MarkerId{Family::tag36h11, 3}));
+  EXPECT_THAT(read(std::string(kHeader) + "5,cam0,3,1,1,2,1,2,2,1,2\n").error().message,
+              HasSubstr("several families"));
+  EXPECT_THAT(read("t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3,family\n"
+                   "5,cam0,tag36h11:4,1,1,2,1,2,2,1,2,aruco_original\n")
+                  .error()
+                  .message,
+              HasSubstr("contradicts"));
+}
+
+TEST_F(DetectionsCsv, MarkersThatDoNotExistHereAreLeftOutAndCounted) {
+  const auto table = good(std::string(kHeader) +
+                          "5,cam0,99,1,1,2,1,2,2,1,2\n"
+                          "6,cam0,tag36h10:5,1,1,2,1,2,2,1,2\n"
+                          "6,cam0,5,1,1,2,1,2,2,1,2\n");
+  EXPECT_EQ(table.unknown_markers, 2);
+  ASSERT_EQ(table.images.size(), 2U) << "the image itself was seen";
+  EXPECT_TRUE(table.images[0].detections.empty());
+  EXPECT_EQ(table.images[1].detections.size(), 1U);
+}
+
+TEST_F(DetectionsCsv, CornersOfAnotherOrderAreLeftOutAndCounted) {
+  const auto table = good(std::string(kHeader) +
+                          "5,cam0,1,1,2,2,2,2,1,1,1\n"    // bottom-left first, counter-clockwise
+                          "5,cam0,2,1,1,2,2,3,3,4,4\n"    // on one line
+                          "5,cam0,3,2,1,2,2,1,2,1,1\n");  // turned by 90°, clockwise
+  EXPECT_EQ(table.misordered, 2);
+  ASSERT_EQ(table.images[0].detections.size(), 1U);
+  EXPECT_EQ(table.images[0].detections[0].marker.number, 3);
+}
+
+TEST_F(DetectionsCsv, OrderOfTheRowsLeavesNoTrace) {
+  std::mt19937 random(3);
+  std::vector<std::string> rows;
+  for (int i = 0; i < 200; ++i) {
+    const int x = static_cast<int>(random() % 1000);
+    rows.push_back(fmt::format("{},cam{},{},{},1,{},1,{},9,{},9\n", random() % 20, random() % 2,
+                               random() % 5, x, x + 8, x + 8, x));
+  }
+  const auto text_of = [&] { return kHeader + fmt::format("{}", fmt::join(rows, "")); };
+  const std::string expected = format_detections_csv(good(text_of()).images, rig_, catalog_, "x");
+  for (int round = 0; round < 5; ++round) {
+    std::shuffle(rows.begin(), rows.end(), random);
+    EXPECT_EQ(format_detections_csv(good(text_of()).images, rig_, catalog_, "x"), expected);
+  }
+}
+
+TEST_F(DetectionsCsv, WrittenTextReadsBackToTheSame) {
+  const std::string covariances =
+      ",sxx0,sxy0,syy0,sxx1,sxy1,syy1,sxx2,sxy2,syy2,sxx3,sxy3,syy3,hamming\n";
+  const auto table =
+      good("t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3" + covariances +
+           "5,cam0,3,1.1234,1,2,1,2,2,1,2,0.01,0.00123456789,0.02,1,0,1,1,0,1,1e-6,-2e-7,1e-6,1\n"
+           "6,cam1,,,,,,,,,,,,,,,,,,,,,,\n");
+  ASSERT_TRUE(table.images[0].detections[0].covariances);
+  EXPECT_EQ((*table.images[0].detections[0].covariances)[0](1, 0), 0.00123456789);
+
+  const std::string text = format_detections_csv(table.images, rig_, catalog_, "opencv+lines/1");
+  EXPECT_EQ(text.substr(0, text.find('\n')),
+            "# detector=opencv+lines/1 markers=" + catalog_.fingerprint());
+  const auto again = good(text);
+  EXPECT_EQ(again.detector, "opencv+lines/1");
+  ASSERT_EQ(again.images.size(), 2U);
+  EXPECT_TRUE(again.images[1].detections.empty());
+  const Detection& first = table.images[0].detections[0];
+  const Detection& back = again.images[0].detections[0];
+  EXPECT_EQ(back.marker, first.marker);
+  EXPECT_EQ(back.hamming, 1);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(back.corners[i], first.corners[i]);
+    EXPECT_EQ((*back.covariances)[i], (*first.covariances)[i]);
+  }
+  EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "opencv+lines/1"), text);
+}
+
+TEST_F(DetectionsCsv, NeedleShapedCovariancesSurviveWriting) {
+  std::vector<ImageDetections> images(1);
+  images[0].detections.resize(1);
+  Detection& detection = images[0].detections[0];
+  detection.marker = {Family::tag36h11, 3};
+  detection.corners = {{{1, 1}, {9, 1}, {9, 9}, {1, 9}}};
+  // Two edges that cross at 1°: 10,000 times longer than wide.
+  Eigen::Matrix2d needle;
+  needle << 0.33333333333, 0.33330000000, 0.33330000000, 0.33333333333;
+  detection.covariances.emplace().fill(needle);
+  EXPECT_EQ(good(format_detections_csv(images, rig_, catalog_, "x")).images.size(), 1U);
+}
+
+TEST_F(DetectionsCsv, CovariancesAreWrittenOnlyWhenEveryDetectionHasThem) {
+  std::vector<ImageDetections> images(1);
+  images[0].detections.resize(2);
+  images[0].detections[0].covariances.emplace().fill(Eigen::Matrix2d::Identity());
+  EXPECT_THAT(format_detections_csv(images, rig_, catalog_, "x"), Not(HasSubstr("sxx0")));
+  images[0].detections[1].covariances = images[0].detections[0].covariances;
+  EXPECT_THAT(format_detections_csv(images, rig_, catalog_, "x"), HasSubstr("sxx0"));
+}
+
+TEST_F(DetectionsCsv, StaleFileIsAnError) {
+  const std::string text = format_detections_csv({}, rig_, catalog_, "x");
+  EXPECT_TRUE(read(text));
+  catalog_ = *parse_marker_catalog("[markers]\nfamily='tag36h11'\nsize_m=0.2\n", "markers.toml");
+  const auto table = read(text);
+  ASSERT_FALSE(table);
+  EXPECT_EQ(table.error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(table.error().message, HasSubstr("stale"));
+  EXPECT_TRUE(read(text.substr(text.find('\n') + 1))) << "somebody else's file can't be stale";
+}
+
+TEST_F(DetectionsCsv, AbsentFileIsNoInput) {
+  EXPECT_EQ(read_detections_csv(folder_.path() / "absent.csv", rig_, catalog_).error().kind,
+            ErrorKind::no_input);
+}
+
+TEST_F(DetectionsCsv, TwentyThousandRowsTakeNoTime) {
+  std::string text = kHeader;
+  for (int i = 0; i < 20'000; ++i) {
+    text += fmt::format("{},cam0,{},100.1234,100.5,200.25,100.75,200.125,200.5,100.0625,200.1\n",
+                        1511000000000000000 + i / 20, i % 500 + i % 2);
+  }
+  folder_.write("many.csv", text);
+  const auto start = std::chrono::steady_clock::now();
+  const auto table = read_detections_csv(folder_.path() / "many.csv", rig_, catalog_);
+  const auto took = std::chrono::steady_clock::now() - start;
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ(table->images.size(), 1000U);
+  // About 30 ms in release; the bound allows for sanitizers and a busy machine.
+  EXPECT_LT(took, std::chrono::seconds(3));
+}
+
+class BadDetectionsCsv : public DetectionsCsv, public testing::WithParamInterface<BadInput> {};
+
+TEST_P(BadDetectionsCsv, IsRefusedInOneLine) {
+  const auto table = read(GetParam().text);
+  ASSERT_FALSE(table);
+  EXPECT_EQ(table.error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(table.error().message, HasSubstr("detections.csv: "));
+  EXPECT_THAT(table.error().message, HasSubstr(GetParam().message));
+  EXPECT_EQ(table.error().message.find('\n'), std::string::npos);
+}
+
+#define HEADER "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3"
+#define COVARIANCES ",sxx0,sxy0,syy0,sxx1,sxy1,syy1,sxx2,sxy2,syy2,sxx3,sxy3,syy3"
+#define CORNERS "1,1,2,1,2,2,1,2"
+
+INSTANTIATE_TEST_SUITE_P(
+    Cases, BadDetectionsCsv,
+    testing::Values(
+        BadInput{"Empty", "", "empty; its first row must name the columns"},
+        BadInput{"CommentsOnly", "# nothing\n", "empty"},
+        BadInput{"NoHeader", "5,cam0,3," CORNERS "\n", "no column \"t_ns\""},
+        BadInput{"MissingColumn", "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3\n",
+                 "line 1: no column \"y3\""},
+        BadInput{"MissingCovarianceColumn", HEADER ",sxx0,sxy0\n", "no column \"syy0\""},
+        BadInput{"DoubledColumn", HEADER ",x0\n", "column \"x0\" stands twice"},
+        BadInput{"StampNoNumber", HEADER "\n5,cam0,,,,,,,,,\nnow,cam0,3," CORNERS "\n",
+                 "line 3: t_ns \"now\""},
+        BadInput{"StampWithFraction", HEADER "\n5.5,cam0,3," CORNERS "\n", "t_ns \"5.5\""},
+        BadInput{"StampTooLarge", HEADER "\n99999999999999999999,cam0,3," CORNERS "\n", "t_ns"},
+        BadInput{"StampEmpty", HEADER "\n,cam0,3," CORNERS "\n", "t_ns \"\""},
+        BadInput{"UnknownCamera", HEADER "\n5,cam7,3," CORNERS "\n",
+                 "camera \"cam7\" is not in rig.yaml"},
+        BadInput{"MarkerNoNumber", HEADER "\n5,cam0,three," CORNERS "\n", "\"three\""},
+        BadInput{"MarkerNegative", HEADER "\n5,cam0,-1," CORNERS "\n", "\"-1\""},
+        BadInput{"MarkerOutsideFamily", HEADER "\n5,cam0,587," CORNERS "\n", "0 to 586"},
+        BadInput{"UnknownFamily", HEADER ",family\n5,cam0,3," CORNERS ",tag99\n",
+                 "unknown family \"tag99\""},
+        BadInput{"NanCorner", HEADER "\n5,cam0,3,nan,1,2,1,2,2,1,2\n",
+                 "line 2: x0 \"nan\" is no pixel coordinate"},
+        BadInput{"InfiniteCorner", HEADER "\n5,cam0,3,1,1,2,1,2,-inf,1,2\n", "y2 \"-inf\""},
+        BadInput{"HugeCorner", HEADER "\n5,cam0,3,1,1,2,1,2,2,1,1e300\n", "y3 \"1e300\""},
+        BadInput{"EmptyCorner", HEADER "\n5,cam0,3,1,1,2,1,2,2,1,\n", "y3 \"\""},
+        BadInput{"CornerNoNumber", HEADER "\n5,cam0,3,1,1,2,1,2,2,1,2px\n", "y3 \"2px\""},
+        BadInput{"ShortRow", HEADER "\n5,cam0,3,1,1,2,1\n", "line 2: 7 fields where the header"},
+        BadInput{"LongRow", HEADER "\n5,cam0,3," CORNERS ",9\n", "12 fields"},
+        BadInput{"HammingNegative", HEADER ",hamming\n5,cam0,3," CORNERS ",-1\n", "hamming \"-1\""},
+        BadInput{"CovarianceNan",
+                 HEADER COVARIANCES "\n5,cam0,3," CORNERS ",nan,0,1,1,0,1,1,0,1,1,0,1\n",
+                 "sxx0 \"nan\""},
+        BadInput{"CovarianceNegative",
+                 HEADER COVARIANCES "\n5,cam0,3," CORNERS ",1,0,1,-1,0,1,1,0,1,1,0,1\n",
+                 "covariance of corner 1"},
+        BadInput{"CovarianceIndefinite",
+                 HEADER COVARIANCES "\n5,cam0,3," CORNERS ",1,0,1,1,0,1,1,0,1,1,1.01,1\n",
+                 "covariance of corner 3"},
+        BadInput{"CovarianceHalfEmpty",
+                 HEADER COVARIANCES "\n5,cam0,3," CORNERS ",1,0,1,1,0,1,1,0,1,1,,1\n", "sxy3 \"\""},
+        BadInput{"Binary", "\x7F\x45LF\x01\x02\n\x03", "no column \"t_ns\""}),
+    bad_input_name);
+
+}  // namespace
+}  // namespace waymark

@@ -1,0 +1,90 @@
+#include "core/capture/image_file.h"
+
+#include <gmock/gmock.h>
+
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_pattern.h"
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(ImageFile, KnowsImagesByTheirNames) {
+  for (const char* name : {"1.jpg", "1.JPEG", "a/b.png", "1.Pgm"}) {
+    EXPECT_TRUE(is_image_name(name)) << name;
+  }
+  for (const char* name : {"1", "jpg", ".jpg", "1.bmp", "1.jpg.txt", "1.pngx"}) {
+    EXPECT_FALSE(is_image_name(name)) << name;
+  }
+}
+
+TEST(ImageFile, WritesAndReadsEveryFormat) {
+  const TemporaryFolder folder;
+  const GrayImage image = test_pattern(64, 48);
+  for (const char* name : {"1.jpg", "1.jpeg", "1.png", "1.PGM"}) {
+    const auto file = folder.path() / name;
+    ASSERT_TRUE(write_gray_image(file, image.view()));
+    const auto loaded = read_gray_image(file);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_EQ(loaded->image.width_px, 64);
+    EXPECT_EQ(loaded->image.height_px, 48);
+    EXPECT_NEAR(loaded->image.row(40)[60], image.view().row(40)[60], 3) << name;
+  }
+  EXPECT_EQ(read_gray_image(folder.path() / "1.png")->image.pixels, image.pixels);
+}
+
+TEST(ImageFile, ContentCountsNotTheName) {
+  const TemporaryFolder folder;
+  const GrayImage image = test_pattern(64, 48);
+  ASSERT_TRUE(write_gray_image(folder.path() / "1.png", image.view()));
+  const auto renamed = folder.write("1.jpg", folder.read("1.png"));
+  EXPECT_EQ(read_gray_image(renamed)->image.pixels, image.pixels);
+}
+
+TEST(ImageFile, AbsentFileIsNoInput) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_gray_image(folder.path() / "absent.jpg").error().kind, ErrorKind::no_input);
+  EXPECT_EQ(read_gray_image(folder.path()).error().kind, ErrorKind::no_input);
+}
+
+TEST(ImageFile, WhatIsNoImageIsBadDataInOneLine) {
+  const TemporaryFolder folder;
+  ASSERT_TRUE(write_gray_image(folder.path() / "1.png", test_pattern(64, 48).view()));
+  const std::string whole = folder.read("1.png");
+  const auto expect_bad = [&](std::string_view content, const char* message) {
+    const auto loaded = read_gray_image(folder.write("bad.jpg", content));
+    ASSERT_FALSE(loaded) << message;
+    EXPECT_EQ(loaded.error().kind, ErrorKind::bad_data);
+    EXPECT_THAT(loaded.error().message, HasSubstr("bad.jpg: "));
+    EXPECT_THAT(loaded.error().message, HasSubstr(message));
+    EXPECT_EQ(loaded.error().message.find('\n'), std::string::npos);
+  };
+  expect_bad("", "empty file");
+  expect_bad("hello\n", "no image: neither JPEG nor PNG nor PGM");
+  expect_bad("GIF89a", "no image");
+  expect_bad(whole.substr(0, whole.size() / 2), "truncated PNG");
+  expect_bad("\xFF\xD8\xFF\xE0", "truncated JPEG");
+  expect_bad("P5 100 100 255\nabc", "truncated PGM");
+}
+
+TEST(ImageFile, UnknownEndingCantBeWritten) {
+  const TemporaryFolder folder;
+  const GrayImage image = test_pattern(8, 8);
+  const auto status = write_gray_image(folder.path() / "1.bmp", image.view());
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::usage);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "1.bmp"));
+  EXPECT_EQ(write_gray_image(folder.path() / "absent/1.png", image.view()).error().kind,
+            ErrorKind::cant_create);
+}
+
+TEST(ImageFile, WhatCantBeEncodedLeavesTheEarlierFile) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("1.png", "earlier");
+  EXPECT_FALSE(write_gray_image(file, GrayView{}));
+  EXPECT_EQ(folder.read("1.png"), "earlier");
+}
+
+}  // namespace
+}  // namespace waymark

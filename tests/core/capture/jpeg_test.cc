@@ -1,0 +1,168 @@
+#include "core/capture/jpeg.h"
+
+#include <gmock/gmock.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/support/exif_block.h"
+#include "tests/support/test_pattern.h"
+
+// After <cstdio>, which it needs.
+#include <jpeglib.h>
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+int largest_difference(const GrayImage& a, const GrayImage& b) {
+  EXPECT_EQ(a.width_px, b.width_px);
+  EXPECT_EQ(a.height_px, b.height_px);
+  int largest = 0;
+  for (std::size_t i = 0; i < std::min(a.pixels.size(), b.pixels.size()); ++i) {
+    largest = std::max(largest, std::abs(a.pixels[i] - b.pixels[i]));
+  }
+  return largest;
+}
+
+/// Puts an APP1 segment with an EXIF block behind the start marker.
+std::string with_exif(const std::string& jpeg, const std::vector<std::uint8_t>& block) {
+  const std::size_t length = 2 + 6 + block.size();
+  std::string segment = "\xFF\xE1";
+  segment += static_cast<char>(length >> 8U);
+  segment += static_cast<char>(length & 0xFFU);
+  segment += std::string("Exif\0\0", 6);
+  segment.append(block.begin(), block.end());
+  return jpeg.substr(0, 2) + segment + jpeg.substr(2);
+}
+
+TEST(Jpeg, WrittenImageReadsBackNearly) {
+  const GrayImage image = test_pattern(100, 75);
+  const auto bytes = encode_jpeg(image.view(), 95);
+  ASSERT_TRUE(bytes) << bytes.error().message;
+  EXPECT_TRUE(looks_like_jpeg(*bytes));
+  const auto loaded = decode_jpeg(*bytes);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_LE(largest_difference(loaded->image, image), 4);
+  EXPECT_FALSE(loaded->orientation_ignored);
+  EXPECT_FALSE(loaded->reduced_from_16_bit);
+  EXPECT_LT(encode_jpeg(image.view(), 10)->size(), bytes->size());
+}
+
+TEST(Jpeg, ColourIsReadByItsLuma) {
+  cv::Mat picture(64, 96, CV_8UC3);
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      picture.at<cv::Vec3b>(y, x) =
+          cv::Vec3b(static_cast<std::uint8_t>(x), static_cast<std::uint8_t>(3 * y), 200);
+    }
+  }
+  std::vector<std::uint8_t> bytes;
+  ASSERT_TRUE(cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_QUALITY, 100}));
+  const auto loaded = decode_jpeg({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  for (int y = 0; y < picture.rows; ++y) {
+    for (int x = 0; x < picture.cols; ++x) {
+      const auto& bgr = picture.at<cv::Vec3b>(y, x);
+      EXPECT_NEAR(loaded->image.pixels[static_cast<std::size_t>(y * picture.cols + x)],
+                  0.114 * bgr[0] + 0.587 * bgr[1] + 0.299 * bgr[2], 3);
+    }
+  }
+}
+
+TEST(Jpeg, ExifOrientationIsIgnoredAndSaid) {
+  const GrayImage image = test_pattern(40, 24);
+  const std::string plain = *encode_jpeg(image.view(), 95);
+  for (const bool little_endian : {true, false}) {
+    const auto rotated = decode_jpeg(with_exif(plain, exif_block(6, little_endian)));
+    ASSERT_TRUE(rotated) << rotated.error().message;
+    EXPECT_TRUE(rotated->orientation_ignored);
+    EXPECT_EQ(rotated->image.pixels, decode_jpeg(plain)->image.pixels) << "pixels are as stored";
+    const auto upright = decode_jpeg(with_exif(plain, exif_block(1, little_endian)));
+    ASSERT_TRUE(upright);
+    EXPECT_FALSE(upright->orientation_ignored);
+  }
+}
+
+TEST(Jpeg, EveryTruncationIsRefused) {
+  const std::string whole = *encode_jpeg(test_pattern(64, 48).view(), 80);
+  for (std::size_t size = 0; size < whole.size(); size += 1 + size / 50) {
+    const auto loaded = decode_jpeg(std::string_view(whole).substr(0, size));
+    ASSERT_FALSE(loaded) << size << " of " << whole.size() << " bytes";
+    EXPECT_EQ(loaded.error().kind, ErrorKind::bad_data);
+    EXPECT_THAT(loaded.error().message, HasSubstr("damaged or truncated JPEG: "));
+  }
+}
+
+TEST(Jpeg, FlippedBitsNeverCrash) {
+  const std::string whole = *encode_jpeg(test_pattern(64, 48).view(), 80);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string damaged = whole;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x41);
+    (void)decode_jpeg(damaged);  // some flips only change grey values
+  }
+}
+
+TEST(Jpeg, BytesBetweenTheSegmentsAreAllowed) {
+  const GrayImage image = test_pattern(40, 24);
+  const std::string plain = *encode_jpeg(image.view(), 95);
+  const auto table = plain.find("\xFF\xDB");  // the quantization table's segment
+  ASSERT_NE(table, std::string::npos);
+  const auto loaded = decode_jpeg(plain.substr(0, table) + "abc" + plain.substr(table));
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->image.pixels, decode_jpeg(plain)->image.pixels);
+}
+
+TEST(Jpeg, HugeSizesAreRefusedBeforeMemoryIsAskedFor) {
+  std::string bytes = *encode_jpeg(test_pattern(40, 24).view(), 95);
+  const auto frame =
+      bytes.find("\xFF\xC0");  // marker, length (2), precision, height (2), width (2)
+  ASSERT_NE(frame, std::string::npos);
+  bytes.replace(frame + 5, 4, "\xFF\x00\xFF\x00", 4);
+  const auto loaded = decode_jpeg(bytes);
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("65280×65280 px; more than 200 megapixels"));
+}
+
+std::string cmyk_jpeg() {
+  jpeg_compress_struct info{};
+  jpeg_error_mgr errors{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;  // NOLINT: libjpeg's type
+  jpeg_mem_dest(&info, &buffer, &size);
+  info.image_width = 8;
+  info.image_height = 1;
+  info.input_components = 4;
+  info.in_color_space = JCS_CMYK;
+  jpeg_set_defaults(&info);
+  jpeg_start_compress(&info, TRUE);
+  std::vector<std::uint8_t> samples(32, 100);
+  JSAMPROW row = samples.data();
+  jpeg_write_scanlines(&info, &row, 1);
+  jpeg_finish_compress(&info);
+  std::string bytes(reinterpret_cast<const char*>(buffer), size);
+  jpeg_destroy_compress(&info);
+  std::free(buffer);
+  return bytes;
+}
+
+TEST(Jpeg, CmykIsRefused) {
+  const auto loaded = decode_jpeg(cmyk_jpeg());
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("CMYK"));
+}
+
+TEST(Jpeg, SidesBeyondTheFormatCantBeWritten) {
+  const std::vector<std::uint8_t> pixels(65501, 0);
+  EXPECT_TRUE(encode_jpeg({pixels.data(), 65500, 1, 65500}, 90));
+  const auto bytes = encode_jpeg({pixels.data(), 65501, 1, 65501}, 90);
+  ASSERT_FALSE(bytes);
+  EXPECT_THAT(bytes.error().message, HasSubstr("65501×1"));
+}
+
+}  // namespace
+}  // namespace waymark
