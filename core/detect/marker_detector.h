@@ -1,9 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "core/base/error.h"
 #include "core/capture/detection.h"
 #include "core/capture/gray_image.h"
 #include "core/marker/family.h"
@@ -16,9 +16,38 @@ namespace waymark {
 class MarkerDetector {
  public:
   virtual ~MarkerDetector() = default;
-  /// All markers of the detector's families, by rising (id, first corner); no covariances yet. The same id may
-  /// appear twice.
+  /// All markers of the detector's families, by rising (id, first corner); no covariances yet. The
+  /// same id may appear twice. Same image, same result, whatever the number of OpenCV's threads.
   [[nodiscard]] virtual std::vector<Detection> detect(const GrayView& image) = 0;
 };
+
+/// What a detector looks for.
+struct DetectorOptions {
+  /// Shortest marker, as a quarter of its perimeter (px), in [8, 1000]. Smaller ones are mostly
+  /// undecodable, and every step down finds more false quads and takes more time.
+  double min_side_px = 12;
+};
+
+/// Which library finds and decodes.
+enum class DetectorEngine {
+  opencv,    ///< every family
+  apriltag,  ///< libapriltag: the tag* families only
+};
+
+/// Whether the engine decodes the family.
+[[nodiscard]] bool engine_knows(DetectorEngine engine, Family family);
+
+/// The better engine for a family by measurement.
+[[nodiscard]] DetectorEngine best_engine(Family family);
+
+/// A detector for all `families` (at least one, checked; repeated ones count once), each found by
+/// its best engine.
+[[nodiscard]] std::unique_ptr<MarkerDetector> make_detector(std::span<const Family> families,
+                                                            const DetectorOptions& options = {});
+
+/// The same with one engine for all, which must know them (checked).
+[[nodiscard]] std::unique_ptr<MarkerDetector> make_detector(DetectorEngine engine,
+                                                            std::span<const Family> families,
+                                                            const DetectorOptions& options = {});
 
 }  // namespace waymark

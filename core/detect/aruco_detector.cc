@@ -1,0 +1,119 @@
+#include "core/detect/aruco_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/aruco.hpp>
+
+#include "core/detect/cell_reader.h"
+#include "core/marker/opencv_dictionary.h"
+
+namespace waymark {
+namespace {
+
+/// Chance that random cells decode as some marker of the family, any way up, with up to
+/// `corrected` wrong bits.
+double random_acceptance(const FamilyTraits& family, int corrected) {
+  const int bits = family.code_cells * family.code_cells;
+  double patterns = 1;
+  double combinations = 1;
+  for (int wrong = 1; wrong <= corrected; ++wrong) {
+    combinations *= static_cast<double>(bits - wrong + 1) / wrong;
+    patterns += combinations;
+  }
+  return 4.0 * family.id_count * patterns / std::exp2(bits);
+}
+
+/// Bits that the distance between the family's codes lets correct without mistaking one for
+/// another.
+int bits_within_half_distance(Family family, const cv::aruco::Dictionary& dictionary) {
+  switch (family) {
+    case Family::tag16h5:
+      return 2;
+    case Family::tag25h9:
+    case Family::tag36h10:
+      return 4;
+    case Family::tag36h11:
+      return 5;
+    default:
+      return dictionary.maxCorrectionBits;
+  }
+}
+
+cv::Ptr<cv::aruco::Dictionary> correcting_dictionary(Family family) {
+  auto dictionary = cv::aruco::getPredefinedDictionary(opencv_dictionary(family));
+  dictionary->maxCorrectionBits = correctable_bits(family);
+  return dictionary;
+}
+
+ImageCorners upright_corners(Family family, const std::vector<cv::Point2f>& found) {
+  const std::size_t turn = opencv_draws_upside_down(family) ? 2 : 0;
+  ImageCorners corners;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const cv::Point2f& p = found[(i + turn) % 4];
+    corners[i] = {p.x, p.y};
+  }
+  return corners;
+}
+
+}  // namespace
+
+int correctable_bits(Family family) {
+  constexpr double kMaxRandomAcceptance = 1e-3;
+  const auto dictionary = cv::aruco::getPredefinedDictionary(opencv_dictionary(family));
+  int corrected = bits_within_half_distance(family, *dictionary);
+  while (corrected > 0 && random_acceptance(traits(family), corrected) > kMaxRandomAcceptance) {
+    --corrected;
+  }
+  return corrected;
+}
+
+struct ArucoDetector::Implementation {
+  struct FamilyPass {
+    Family family;
+    cv::Ptr<cv::aruco::Dictionary> dictionary;
+  };
+  std::vector<FamilyPass> passes;
+  cv::Ptr<cv::aruco::DetectorParameters> parameters = cv::aruco::DetectorParameters::create();
+  double min_side_px = 0;
+};
+
+ArucoDetector::ArucoDetector(std::vector<Family> families, const DetectorOptions& options)
+    : implementation_(std::make_unique<Implementation>()) {
+  for (const Family family : families) {
+    implementation_->passes.push_back({family, correcting_dictionary(family)});
+  }
+  implementation_->min_side_px = options.min_side_px;
+  cv::aruco::DetectorParameters& p = *implementation_->parameters;
+  p.errorCorrectionRate = 1.0;  // of the dictionary's maxCorrectionBits, set above
+  p.cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+}
+
+ArucoDetector::~ArucoDetector() = default;
+
+std::vector<Detection> ArucoDetector::detect(const GrayView& image) {
+  std::vector<Detection> detections;
+  const int longer_side = std::max(image.width_px, image.height_px);
+  if (std::min(image.width_px, image.height_px) < implementation_->min_side_px) return detections;
+
+  // OpenCV reads the pixels only; its Mat has no constant form.
+  const cv::Mat pixels(image.height_px, image.width_px, CV_8UC1,
+                       const_cast<std::uint8_t*>(image.data), image.stride_bytes);
+  implementation_->parameters->minMarkerPerimeterRate =
+      4 * implementation_->min_side_px / longer_side;
+  std::vector<std::vector<cv::Point2f>> quads;
+  std::vector<int> numbers;
+  for (const auto& pass : implementation_->passes) {
+    cv::aruco::detectMarkers(pixels, pass.dictionary, quads, numbers, implementation_->parameters);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      Detection detection;
+      detection.marker = {pass.family, numbers[i]};
+      detection.corners = upright_corners(pass.family, quads[i]);
+      const auto reading = read_cells(image, detection.corners, marker_bits(detection.marker));
+      if (reading) detection.hamming = reading->wrong_code_cells;
+      detections.push_back(detection);
+    }
+  }
+  return detections;
+}
+
+}  // namespace waymark

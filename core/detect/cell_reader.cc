@@ -1,0 +1,74 @@
+#include "core/detect/cell_reader.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/geometry/square_homography.h"
+
+namespace waymark {
+namespace {
+
+/// Grey value of the nearest pixel; nullopt outside the image.
+std::optional<double> grey_at(const GrayView& image, const Eigen::Vector2d& pixel) {
+  const double x = std::round(pixel.x());
+  const double y = std::round(pixel.y());
+  if (!(x >= 0 && y >= 0 && x < image.width_px && y < image.height_px)) return std::nullopt;
+  return image.row(static_cast<int>(y))[static_cast<int>(x)];
+}
+
+/// Mean of five samples around the middle of a cell.
+std::optional<double> cell_grey(const GrayView& image, const Eigen::Matrix3d& pixel_from_unit,
+                                int cells, int row, int column) {
+  constexpr std::array<std::array<double, 2>, 5> kSamples{
+      {{0.5, 0.5}, {0.35, 0.35}, {0.65, 0.35}, {0.35, 0.65}, {0.65, 0.65}}};
+  double sum = 0;
+  for (const auto& [right, down] : kSamples) {
+    const Eigen::Vector3d unit((column + right) / cells, (row + down) / cells, 1);
+    const auto grey = grey_at(image, (pixel_from_unit * unit).hnormalized());
+    if (!grey) return std::nullopt;
+    sum += *grey;
+  }
+  return sum / kSamples.size();
+}
+
+}  // namespace
+
+std::optional<CellReading> read_cells(const GrayView& image, const ImageCorners& corners,
+                                      const MarkerBits& bits) {
+  const auto pixel_from_unit = homography_from_unit_square(corners);
+  if (!pixel_from_unit) return std::nullopt;
+  std::vector<double> greys;
+  greys.reserve(bits.white.size());
+  std::array<double, 2> sums{};
+  std::array<int, 2> counts{};
+  for (int row = 0; row < bits.cells; ++row) {
+    for (int column = 0; column < bits.cells; ++column) {
+      const auto grey = cell_grey(image, *pixel_from_unit, bits.cells, row, column);
+      if (!grey) return std::nullopt;
+      const std::size_t color = bits.is_white(row, column) ? 1 : 0;
+      sums[color] += *grey;
+      ++counts[color];
+      greys.push_back(*grey);
+    }
+  }
+  if (counts[1] == 0) return std::nullopt;
+  const double black = sums[0] / counts[0];
+  const double white = sums[1] / counts[1];
+
+  CellReading reading;
+  reading.contrast_grey = white - black;
+  for (int row = 0; row < bits.cells; ++row) {
+    for (int column = 0; column < bits.cells; ++column) {
+      const double grey = greys[static_cast<std::size_t>(row * bits.cells + column)];
+      if ((grey > 0.5 * (black + white)) == bits.is_white(row, column)) continue;
+      const bool on_border =
+          row == 0 || column == 0 || row == bits.cells - 1 || column == bits.cells - 1;
+      ++(on_border ? reading.wrong_border_cells : reading.wrong_code_cells);
+    }
+  }
+  return reading;
+}
+
+}  // namespace waymark

@@ -1,0 +1,322 @@
+#include "core/detect/corner_refiner.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "core/detect/cell_steps.h"
+#include "core/detect/image_side.h"
+#include "core/detect/marker_plane.h"
+#include "core/detect/side_fit.h"
+#include "core/detect/side_search.h"
+
+namespace waymark {
+namespace {
+
+using Failure = RefineFailure;
+using Quad = std::array<Eigen::Vector2d, 4>;  // in the marker plane or in pixels
+
+/// Turns twice the area of every corner's triangle the right way: clockwise as the image shows it.
+bool convex_and_clockwise(const Quad& quad) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Vector2d in = quad[i] - quad[(i + 3) % 4];
+    const Eigen::Vector2d out = quad[(i + 1) % 4] - quad[i];
+    if (!(in.x() * out.y() - in.y() * out.x() > 0)) return false;
+  }
+  return true;
+}
+
+struct Line {
+  Eigen::Vector2d point;
+  Eigen::Vector2d direction;
+};
+
+std::optional<Eigen::Vector2d> intersection(const Line& a, const Line& b) {
+  const double determinant = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
+  if (!(std::abs(determinant) > 1e-3 * a.direction.norm() * b.direction.norm())) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d between = b.point - a.point;
+  const double t = (between.x() * b.direction.y() - between.y() * b.direction.x()) / determinant;
+  return Eigen::Vector2d(a.point + t * a.direction);
+}
+
+/// The marker's four sides as they are known so far.
+class Refinement {
+ public:
+  Refinement(const GrayView& image, const CameraModel& camera, const Quad& rough,
+             const MarkerBits& bits, const RefineOptions& options)
+      : image_(image),
+        rough_(rough),
+        bits_(bits),
+        options_(options),
+        plane_(camera, axis(camera)) {}
+
+  std::optional<Failure> run();
+  [[nodiscard]] RefinedCorners result() const;
+
+ private:
+  [[nodiscard]] Eigen::Vector3d axis(const CameraModel& camera) const;
+  std::optional<Failure> place_rough_corners();
+  std::optional<Failure> search();
+  std::optional<Failure> fit_until_still();
+  std::optional<Failure> fit_once(int max_columns);
+  std::optional<Failure> look_at_sides();
+  std::optional<Failure> move_sides(const std::array<Eigen::Vector2d, 4>& shifts_px);
+  void share_appearance();
+  [[nodiscard]] double border_px(std::size_t side) const;
+  [[nodiscard]] std::optional<Failure> judge() const;
+
+  const GrayView& image_;
+  const Quad& rough_;
+  const MarkerBits& bits_;
+  const RefineOptions& options_;
+  MarkerPlane plane_;
+  Quad corners_;         // in the marker plane
+  ImageCorners pixels_;  // of the corners
+  std::array<std::optional<ImageSide>, 4> sides_;
+  std::array<SideAppearance, 4> appearances_;
+  std::array<SidePrior, 4> priors_;
+  bool have_priors_ = false;
+  std::array<SideStep, 4> steps_;
+  double last_shift_px_ = 0;
+};
+
+Eigen::Vector3d Refinement::axis(const CameraModel& camera) const {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector2d& corner : rough_) {
+    if (const auto bearing = camera.bearing(corner)) sum += *bearing;
+  }
+  return sum.norm() > 0 ? Eigen::Vector3d(sum.normalized()) : Eigen::Vector3d::UnitZ();
+}
+
+std::optional<Failure> Refinement::place_rough_corners() {
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto point = plane_.plane_from_pixel(rough_[i]);
+    if (!point) return Failure::outside_camera;
+    corners_[i] = *point;
+  }
+  return look_at_sides();
+}
+
+/// Brings the image's view of the sides up to date with the corners.
+std::optional<Failure> Refinement::look_at_sides() {
+  for (std::size_t i = 0; i < 4; ++i) {
+    sides_[i] = ImageSide::create(plane_, corners_[i], corners_[(i + 1) % 4]);
+    if (!sides_[i]) return Failure::outside_camera;
+    pixels_[i] = sides_[i]->start_px();
+  }
+  if (!convex_and_clockwise(pixels_)) return Failure::outside_camera;
+  return std::nullopt;
+}
+
+double Refinement::border_px(std::size_t side) const {
+  const CellSteps cells(pixels_, side, bits_);
+  return cells
+      .behind(sides_[side]->point_px(0.5), -sides_[side]->outward(), sides_[side]->along(), 1.0)
+      .border_px;
+}
+
+/// Shifts each side's line outward at its ends, and intersects the lines anew.
+std::optional<Failure> Refinement::move_sides(const std::array<Eigen::Vector2d, 4>& shifts_px) {
+  std::array<Line, 4> lines;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ImageSide& side = *sides_[i];
+    const auto start = plane_.plane_from_pixel(side.start_px() + shifts_px[i][0] * side.outward());
+    const auto end = plane_.plane_from_pixel(side.end_px() + shifts_px[i][1] * side.outward());
+    if (!start || !end) return Failure::outside_camera;
+    lines[i] = {*start, *end - *start};
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto corner = intersection(lines[(i + 3) % 4], lines[i]);
+    if (!corner) return Failure::not_converged;
+    corners_[i] = *corner;
+  }
+  const auto failure = look_at_sides();
+  if (failure) return Failure::not_converged;
+  for (std::size_t i = 0; i < 4; ++i) {
+    // A corner between two sides that each moved that far moves √2 times as far, more if it is
+    // acute.
+    if ((pixels_[i] - rough_[i]).norm() > 2.5 * options_.max_shift_px)
+      return Failure::not_converged;
+  }
+  return std::nullopt;
+}
+
+/// Takes the sides from the rough corners to within a fraction of a pixel; the second look starts
+/// from straightened sides.
+std::optional<Failure> Refinement::search() {
+  constexpr int kLooks = 2;
+  for (int look = 0; look < kLooks; ++look) {
+    std::array<Eigen::Vector2d, 4> shifts_px;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const double reach_px = std::clamp(1.2 * border_px(i), 1.5, options_.max_shift_px);
+      const auto found = search_side(image_, *sides_[i], reach_px);
+      if (!found) return Failure::no_edge;
+      if (found->white_grey - found->black_grey < options_.min_contrast_grey) {
+        return Failure::low_contrast;
+      }
+      shifts_px[i] = found->shift_px;
+      SideAppearance& appearance = appearances_[i];
+      appearance.black_grey.setConstant(found->black_grey);
+      appearance.white_grey.setConstant(found->white_grey);
+      appearance.noise_grey = 0.1 * appearance.contrast_grey();
+    }
+    if (const auto failure = move_sides(shifts_px)) return failure;
+  }
+  return std::nullopt;
+}
+
+/// Prior of every side: greys from the plane through all sides' greys over the image, blur from its
+/// own and the opposite side's, which blur alike even when the camera moves.
+void Refinement::share_appearance() {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
+  const auto at = [&](std::size_t corner) {
+    const Eigen::Vector2d offset = pixels_[corner] - pixels_[0];
+    return Eigen::Vector3d(1, offset.x(), offset.y());
+  };
+  double contrast = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double weight = border_px(i);  // a wide border shows its greys better
+    for (std::size_t end = 0; end < 2; ++end) {
+      const Eigen::Vector3d x = at((i + end) % 4);
+      const auto e = static_cast<Eigen::Index>(end);
+      information += weight * x * x.transpose();
+      right += weight * x *
+               Eigen::RowVector2d(appearances_[i].black_grey[e], appearances_[i].white_grey[e]);
+    }
+    contrast += 0.25 * appearances_[i].contrast_grey();
+  }
+  const Eigen::Matrix<double, 3, 2> greys = information.ldlt().solve(right);
+  for (std::size_t i = 0; i < 4; ++i) {
+    SidePrior& prior = priors_[i];
+    for (std::size_t end = 0; end < 2; ++end) {
+      const Eigen::RowVector2d grey = at((i + end) % 4).transpose() * greys;
+      const auto e = static_cast<Eigen::Index>(end);
+      prior.mean.black_grey[e] = grey[0];
+      prior.mean.white_grey[e] = grey[1];
+    }
+    prior.grey_sigma = 0.04 * contrast;
+    const std::size_t opposite = (i + 2) % 4;
+    const double own = steps_[i].information_blur;
+    const double other = steps_[opposite].information_blur;
+    prior.mean.blur_px = std::exp((own * std::log(appearances_[i].blur_px) +
+                                   other * std::log(appearances_[opposite].blur_px)) /
+                                  (own + other));
+    prior.log_blur_sigma = 0.1;
+  }
+  have_priors_ = true;
+}
+
+std::optional<Failure> Refinement::fit_once(int max_columns) {
+  std::array<Eigen::Vector2d, 4> shifts_px;
+  last_shift_px_ = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const CellSteps cells(pixels_, i, bits_);
+    const SideScene scene{*sides_[i], *sides_[(i + 3) % 4], *sides_[(i + 1) % 4], cells};
+    const auto step =
+        fit_side(image_, scene, appearances_[i], have_priors_ ? &priors_[i] : nullptr, max_columns);
+    if (!step) return Failure::too_small;
+    steps_[i] = *step;
+    constexpr double kMaxStepPx = 1;
+    shifts_px[i] = step->shift_px.cwiseMax(-kMaxStepPx).cwiseMin(kMaxStepPx);
+    last_shift_px_ = std::max(last_shift_px_, shifts_px[i].cwiseAbs().maxCoeff());
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    appearances_[i] = steps_[i].appearance;
+    if (appearances_[i].contrast_grey() < options_.min_contrast_grey) return Failure::low_contrast;
+  }
+  if (const auto failure = move_sides(shifts_px)) return failure;
+  share_appearance();
+  return std::nullopt;
+}
+
+std::optional<Failure> Refinement::fit_until_still() {
+  constexpr int kMaxPasses = 10;
+  constexpr int kCoarsePasses = 2;
+  constexpr double kStillPx = 0.002;
+  for (int pass = 0; pass < kMaxPasses; ++pass) {
+    const bool coarse = pass < kCoarsePasses;
+    const int columns = coarse ? std::min(24, options_.max_columns) : options_.max_columns;
+    if (const auto failure = fit_once(columns)) return failure;
+    if (!coarse && last_shift_px_ < kStillPx) return judge();
+  }
+  constexpr double kNearlyStillPx = 0.02;
+  return last_shift_px_ < kNearlyStillPx ? judge() : Failure::not_converged;
+}
+
+std::optional<Failure> Refinement::judge() const {
+  // Residuals of a clean edge are noise; half a side's weight lost, or residuals of a tenth of the
+  // contrast, mean that something else than this marker's edge is there.
+  constexpr double kMaxOutlierShare = 0.5;
+  constexpr double kMaxRelativeResidual = 0.12;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const SideAppearance& appearance = appearances_[i];
+    if (steps_[i].outlier_share > kMaxOutlierShare ||
+        appearance.noise_grey > std::max(8.0, kMaxRelativeResidual * appearance.contrast_grey())) {
+      return Failure::covered;
+    }
+  }
+  return std::nullopt;
+}
+
+std::optional<Failure> Refinement::run() {
+  if (const auto failure = place_rough_corners()) return failure;
+  if (const auto failure = search()) return failure;
+  return fit_until_still();
+}
+
+RefinedCorners Refinement::result() const {
+  RefinedCorners refined;
+  refined.corners = pixels_;
+  double squares = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const std::size_t before = (i + 3) % 4;
+    // The corner moves by x where both sides' lines move: outward · x = shift.
+    Eigen::Matrix2d outward;
+    outward << sides_[before]->outward().transpose(), sides_[i]->outward().transpose();
+    const Eigen::Matrix2d x_from_shift = outward.inverse();
+    const Eigen::Vector2d variances(steps_[before].covariance(1, 1), steps_[i].covariance(0, 0));
+    refined.covariances[i] =
+        x_from_shift * variances.asDiagonal() * x_from_shift.transpose() +
+        options_.model_sigma_px * options_.model_sigma_px * Eigen::Matrix2d::Identity();
+    refined.blur_px += 0.25 * appearances_[i].blur_px;
+    refined.contrast_grey += 0.25 * appearances_[i].contrast_grey();
+    squares += 0.25 * appearances_[i].noise_grey * appearances_[i].noise_grey;
+  }
+  refined.residual_grey = std::sqrt(squares);
+  return refined;
+}
+
+}  // namespace
+
+std::string_view to_string(RefineFailure failure) {
+  switch (failure) {
+    case RefineFailure::outside_camera:
+      return "outside the camera's domain";
+    case RefineFailure::no_edge:
+      return "a side has no edge within reach";
+    case RefineFailure::too_small:
+      return "a side is too short";
+    case RefineFailure::low_contrast:
+      return "too little contrast";
+    case RefineFailure::covered:
+      return "a side is covered or stained";
+    case RefineFailure::not_converged:
+      return "the sides did not settle near the rough corners";
+  }
+  return "unknown";
+}
+
+tl::expected<RefinedCorners, RefineFailure> refine_corners(const GrayView& image,
+                                                           const CameraModel& camera,
+                                                           const ImageCorners& rough,
+                                                           const MarkerBits& bits,
+                                                           const RefineOptions& options) {
+  Refinement refinement(image, camera, rough, bits, options);
+  if (const auto failure = refinement.run()) return tl::unexpected(*failure);
+  return refinement.result();
+}
+
+}  // namespace waymark

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string_view>
+#include <tl/expected.hpp>
+
+#include "core/camera/camera_model.h"
+#include "core/capture/detection.h"
+#include "core/capture/gray_image.h"
+#include "core/marker/marker_bits.h"
+
+namespace waymark {
+
+/// How corners are refined.
+struct RefineOptions {
+  /// Farthest that a side may lie from the rough one (px), in [1, 14]. Also limited to 1.2 cells,
+  /// so that no edge of the code is taken for the border's.
+  double max_shift_px = 4;
+  /// Least difference between paper and border (grey levels), in [1, 255].
+  double min_contrast_grey = 10;
+  /// Pixel columns used per side, in [8, 1000]: longer sides are sampled evenly.
+  int max_columns = 64;
+  /// Error that the images' noise does not explain (paper, print, lens model), added to every
+  /// corner's covariance (px per axis), in [0, 1].
+  double model_sigma_px = 0.003;
+};
+
+/// Corners to a few hundredths of a pixel.
+struct RefinedCorners {
+  ImageCorners corners;           ///< pixels of the image as captured (distorted)
+  CornerCovariances covariances;  ///< px²
+  double blur_px = 0;  ///< standard deviation of point spread and pixel, mean of the sides
+  double contrast_grey = 0;
+  double residual_grey = 0;  ///< of the fitted pixels, RMS
+};
+
+/// Why corners could not be refined.
+enum class RefineFailure {
+  outside_camera,  ///< the lens model does not reach there, or the corners are no convex quad
+  no_edge,         ///< some side has no step from dark to light within reach
+  too_small,       ///< some side has too few pixels clear of the corners
+  low_contrast,    ///< paper and border hardly differ
+  covered,         ///< too much of some side does not look like an edge
+  not_converged,   ///< the sides did not come to rest within reach of the rough ones
+};
+
+[[nodiscard]] std::string_view to_string(RefineFailure failure);
+
+/// Our own corners: lines fitted to the marker's four sides on the raw pixels, straight in the
+/// undistorted plane, and intersected there; `rough` may be several pixels off. `bits` is the
+/// decoded marker's pattern: the code's cells behind the border are part of the model, so that a
+/// border of two pixels does not bend the profile. A corner's covariance follows from the residuals
+/// of its two sides. Unbiased for a linear sensor; the sRGB response makes white grow: every edge
+/// moves inward by up to about 0.1 px at σ 0.8 px, which no fit of one edge can tell.
+[[nodiscard]] tl::expected<RefinedCorners, RefineFailure> refine_corners(
+    const GrayView& image, const CameraModel& camera, const ImageCorners& rough,
+    const MarkerBits& bits, const RefineOptions& options = {});
+
+}  // namespace waymark

@@ -1,0 +1,109 @@
+#include "core/detect/image_detector.h"
+
+#include <algorithm>
+
+#include "core/base/check.h"
+#include "core/detect/aruco_detector.h"
+#include "core/detect/cell_reader.h"
+
+namespace waymark {
+namespace {
+
+std::vector<Family> families_of(const MarkerCatalog& catalog) {
+  std::vector<Family> families;
+  for (const auto& entry : catalog.entries()) families.push_back(entry.family);
+  return families;
+}
+
+/// Whether two detections are readings of the same square.
+bool same_square(const Detection& a, const Detection& b) {
+  Eigen::Vector2d between = Eigen::Vector2d::Zero();
+  double side_px = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    between += 0.25 * (a.corners[i] - b.corners[i]);
+    side_px += 0.25 * (a.corners[(i + 1) % 4] - a.corners[i]).norm();
+  }
+  return between.norm() < 0.2 * side_px;
+}
+
+/// Of several readings of one square only that with the fewest corrected bits stays; none when two
+/// are equally good but name different markers.
+int drop_ambiguous(std::vector<Detection>& detections) {
+  std::vector<Detection> clear;
+  for (const Detection& one : detections) {
+    const bool beaten =
+        std::any_of(detections.begin(), detections.end(), [&](const Detection& other) {
+          return &other != &one && same_square(one, other) &&
+                 (other.hamming < one.hamming ||
+                  (other.hamming == one.hamming && (other.marker != one.marker || &other < &one)));
+        });
+    if (!beaten) clear.push_back(one);
+  }
+  const auto dropped = static_cast<int>(detections.size() - clear.size());
+  detections = std::move(clear);
+  return dropped;
+}
+
+}  // namespace
+
+DetectionCounts& DetectionCounts::operator+=(const DetectionCounts& other) {
+  found += other.found;
+  unknown += other.unknown;
+  unrefined += other.unrefined;
+  misread += other.misread;
+  ambiguous += other.ambiguous;
+  kept += other.kept;
+  return *this;
+}
+
+ImageDetector::ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options)
+    : catalog_(catalog),
+      options_(options),
+      detector_(make_detector(families_of(catalog), options.detector)) {}
+
+const MarkerBits& ImageDetector::bits_of(const MarkerId& marker) {
+  auto known = bits_.find(marker);
+  if (known == bits_.end()) known = bits_.emplace(marker, marker_bits(marker)).first;
+  return known->second;
+}
+
+/// Gives the detection exact corners and covariances; false, counted, where it is none.
+bool ImageDetector::refine(const GrayView& image, const CameraModel& camera, Detection& detection,
+                           DetectionCounts& counts) {
+  const MarkerBits& bits = bits_of(detection.marker);
+  const auto refined = refine_corners(image, camera, detection.corners, bits, options_.refine);
+  if (!refined) {
+    ++counts.unrefined;
+    return false;
+  }
+  const auto reading = read_cells(image, refined->corners, bits);
+  const int border_cells = 4 * (bits.cells - 1);
+  if (!reading || reading->wrong_code_cells > correctable_bits(detection.marker.family) ||
+      reading->wrong_border_cells > border_cells / 8) {
+    ++counts.misread;
+    return false;
+  }
+  detection.hamming = reading->wrong_code_cells;
+  detection.corners = refined->corners;
+  detection.covariances = refined->covariances;
+  return true;
+}
+
+FoundMarkers ImageDetector::detect(const GrayView& image, const CameraModel& camera) {
+  WAYMARK_CHECK(image.width_px == camera.parameters().width_px &&
+                image.height_px == camera.parameters().height_px);
+  FoundMarkers result;
+  for (Detection& detection : detector_->detect(image)) {
+    ++result.counts.found;
+    if (!catalog_.size_m(detection.marker)) {
+      ++result.counts.unknown;
+    } else if (refine(image, camera, detection, result.counts)) {
+      result.detections.push_back(detection);
+    }
+  }
+  result.counts.ambiguous = drop_ambiguous(result.detections);
+  result.counts.kept = static_cast<int>(result.detections.size());
+  return result;
+}
+
+}  // namespace waymark

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <span>
+
+#include "core/detect/corner_refiner.h"
+#include "core/detect/marker_detector.h"
+#include "core/marker/marker_catalog.h"
+
+namespace waymark {
+
+/// How markers are found in one image.
+struct ImageDetectorOptions {
+  DetectorOptions detector;
+  RefineOptions refine;
+};
+
+/// What became of everything that looked like a marker, summed over images.
+struct DetectionCounts {
+  int found = 0;      ///< by the detector, in the families of the catalog
+  int unknown = 0;    ///< ids that the catalog ignores or lacks
+  int unrefined = 0;  ///< no exact corners: covered, too small, false quads
+  int misread = 0;    ///< with exact corners, the cells do not show the marker
+  int ambiguous = 0;  ///< the same square read as two markers
+  int kept = 0;
+
+  DetectionCounts& operator+=(const DetectionCounts& other);
+};
+
+/// Markers of one image.
+struct FoundMarkers {
+  std::vector<Detection> detections;  ///< by rising (id, first corner), every one with covariances
+  DetectionCounts counts;
+};
+
+/// Finds the markers of a catalog in images: find and decode, refine the corners, read the cells
+/// again with them. What can't be refined or read is dropped and counted. Deterministic; one per
+/// thread.
+class ImageDetector {
+ public:
+  /// The catalog must have an entry (checked).
+  explicit ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options = {});
+
+  /// `camera` took the image and has its size (checked).
+  [[nodiscard]] FoundMarkers detect(const GrayView& image, const CameraModel& camera);
+
+ private:
+  [[nodiscard]] const MarkerBits& bits_of(const MarkerId& marker);
+  [[nodiscard]] bool refine(const GrayView& image, const CameraModel& camera, Detection& detection,
+                            DetectionCounts& counts);
+
+  MarkerCatalog catalog_;
+  ImageDetectorOptions options_;
+  std::unique_ptr<MarkerDetector> detector_;
+  std::map<MarkerId, MarkerBits> bits_;
+};
+
+}  // namespace waymark

@@ -1,0 +1,94 @@
+#include "core/detect/marker_detector.h"
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+#include "core/base/check.h"
+#include "core/detect/apriltag_detector.h"
+#include "core/detect/aruco_detector.h"
+
+namespace waymark {
+namespace {
+
+bool in_order(const Detection& a, const Detection& b) {
+  const auto key = [](const Detection& d) {
+    return std::tuple(d.marker, d.corners[0].x(), d.corners[0].y());
+  };
+  return key(a) < key(b);
+}
+
+/// Several detectors as one.
+class CombinedDetector final : public MarkerDetector {
+ public:
+  explicit CombinedDetector(std::vector<std::unique_ptr<MarkerDetector>> parts)
+      : parts_(std::move(parts)) {}
+
+  std::vector<Detection> detect(const GrayView& image) override {
+    std::vector<Detection> all;
+    for (const auto& part : parts_) {
+      const std::vector<Detection> found = part->detect(image);
+      all.insert(all.end(), found.begin(), found.end());
+    }
+    std::sort(all.begin(), all.end(), in_order);
+    return all;
+  }
+
+ private:
+  std::vector<std::unique_ptr<MarkerDetector>> parts_;
+};
+
+std::vector<Family> sorted_once(std::span<const Family> families) {
+  std::vector<Family> sorted(families.begin(), families.end());
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  return sorted;
+}
+
+std::unique_ptr<MarkerDetector> make_part(DetectorEngine engine,
+                                          const std::vector<Family>& families,
+                                          const DetectorOptions& options) {
+  if (engine == DetectorEngine::opencv) return std::make_unique<ArucoDetector>(families, options);
+  return std::make_unique<ApriltagDetector>(families, options);
+}
+
+/// One detector of each engine that `engine_of` names for some family.
+template <typename EngineOf>
+std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
+                                              const DetectorOptions& options,
+                                              const EngineOf& engine_of) {
+  WAYMARK_CHECK(!families.empty());
+  std::vector<std::unique_ptr<MarkerDetector>> parts;
+  for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
+    std::vector<Family> own;
+    for (const Family family : sorted_once(families)) {
+      if (engine_of(family) == engine) own.push_back(family);
+    }
+    if (!own.empty()) parts.push_back(make_part(engine, own, options));
+  }
+  return std::make_unique<CombinedDetector>(std::move(parts));
+}
+
+}  // namespace
+
+bool engine_knows(DetectorEngine engine, Family family) {
+  return engine == DetectorEngine::opencv || family >= Family::tag16h5;
+}
+
+DetectorEngine best_engine(Family) { return DetectorEngine::opencv; }
+
+std::unique_ptr<MarkerDetector> make_detector(std::span<const Family> families,
+                                              const DetectorOptions& options) {
+  return make_combined(families, options, best_engine);
+}
+
+std::unique_ptr<MarkerDetector> make_detector(DetectorEngine engine,
+                                              std::span<const Family> families,
+                                              const DetectorOptions& options) {
+  return make_combined(families, options, [&](Family family) {
+    WAYMARK_CHECK(engine_knows(engine, family));
+    return engine;
+  });
+}
+
+}  // namespace waymark

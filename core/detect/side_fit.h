@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+
+#include "core/capture/gray_image.h"
+#include "core/detect/cell_steps.h"
+#include "core/detect/image_side.h"
+
+namespace waymark {
+
+/// What a side of a marker looks like: the line's outward shift and the greys along it. Black and
+/// white run linearly from the side's start to its end; the edge between is a Gaussian step.
+struct SideAppearance {
+  Eigen::Vector2d black_grey;  ///< at start and end
+  Eigen::Vector2d white_grey;
+  double blur_px = 1.0;   ///< standard deviation of point spread and pixel together
+  double noise_grey = 0;  ///< residual scale of the last fit, for the robust weights
+
+  [[nodiscard]] double contrast_grey() const { return 0.5 * (white_grey.sum() - black_grey.sum()); }
+};
+
+/// What the other sides say about this one's appearance, so that a thin or short side need not find
+/// it alone.
+struct SidePrior {
+  SideAppearance mean;
+  double grey_sigma = 0;      ///< of black and white (grey levels)
+  double log_blur_sigma = 0;  ///< of ln blur
+};
+
+/// One Gauss–Newton step of a side's fit.
+struct SideStep {
+  Eigen::Vector2d shift_px;    ///< outward, at start and end
+  Eigen::Matrix2d covariance;  ///< of the shift (px²)
+  SideAppearance appearance;
+  double information_blur = 0;  ///< of ln blur, from the pixels alone
+  int pixels = 0;
+  double outlier_share = 0;  ///< of the pixels, by robust weight
+};
+
+/// The side, its neighbours (before, after) and the cells behind it.
+struct SideScene {
+  const ImageSide& side;
+  const ImageSide& before;
+  const ImageSide& after;
+  const CellSteps& cells;
+};
+
+/// Fits the raw pixels of the band around the side, none interpolated: grey = black + (white −
+/// black) · whiteness with whiteness the Gaussian-blurred steps of the outer edge and of the code's
+/// cells behind the border. The pixel's own square adds 1/12 px² to the blur's variance, in every
+/// direction. Robust weights (Geman–McClure, 4 σ) shut out what covers or stains the edge. nullopt
+/// with fewer than `kMinSidePixels` usable pixels.
+[[nodiscard]] std::optional<SideStep> fit_side(const GrayView& image, const SideScene& scene,
+                                               const SideAppearance& start, const SidePrior* prior,
+                                               int max_columns);
+
+inline constexpr int kMinSidePixels = 16;
+
+}  // namespace waymark
