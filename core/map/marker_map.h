@@ -22,8 +22,8 @@ struct MapMarker {
   double stated_size_m = 0;  ///< from markers.toml
   double size_m = 0;         ///< effective: what the map was built with
   Rigid3 world_from_marker;
-  /// Marginal 6×6 of `world_from_marker` in the tangent order of Rigid3 (m, rad; world axes). Gauge:
-  /// the mean motion of all marker positions removed; in the facility frame, the survey's.
+  /// Marginal 6×6 of `world_from_marker` in the tangent order of Rigid3 (m, rad; world axes).
+  /// Gauge: the mean motion of all marker positions removed; in the facility frame, the survey's.
   Matrix6d covariance = Matrix6d::Zero();
   std::uint32_t observations = 0;  ///< accepted ones
   std::uint32_t rejected = 0;      ///< rejected by the gate
@@ -37,7 +37,7 @@ struct SubMap {
   std::vector<MapMarker> markers;  ///< by rising id
   std::uint32_t frame_sets = 0;    ///< localized while building
   double rms_px = 0;               ///< over the corners of accepted observations
-  double rms_all_px = 0;           ///< over all observations of mapped markers in localized frame sets
+  double rms_all_px = 0;  ///< over all observations of mapped markers in localized frame sets
 };
 
 /// A marker map: what mapbuilder writes and locd trusts.

@@ -1,0 +1,116 @@
+#include "core/map/map_check.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+#include <string_view>
+
+namespace waymark {
+namespace {
+
+/// Nobody prints larger markers; a larger number is one in mm.
+constexpr double kMaxSize_m = 100.0;
+/// Further from each other than any building's markers, and far from where a double loses µm.
+constexpr double kMaxPosition_m = 1e6;
+constexpr double kMaxQuaternionError = 1e-6;
+/// Of a covariance's largest element: rounding of what was computed, or written and read as text.
+constexpr double kCovarianceRounding = 1e-9;
+constexpr std::uint32_t kMaxCount = std::numeric_limits<std::int32_t>::max();
+
+bool is_size(double size_m) { return size_m > 0 && size_m <= kMaxSize_m; }
+
+bool is_rms(double rms_px) { return std::isfinite(rms_px) && rms_px >= 0; }
+
+bool is_fingerprint(std::string_view text) {
+  return text.size() == kFingerprintLength &&
+         text.find_first_not_of("0123456789abcdef") == std::string_view::npos;
+}
+
+/// What is wrong with the covariance, or nothing.
+std::string_view covariance_fault(const Matrix6d& covariance) {
+  if (!covariance.allFinite()) return "covariance is not finite";
+  const double rounding = kCovarianceRounding * covariance.cwiseAbs().maxCoeff();
+  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding) {
+    return "covariance is not symmetric";
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(covariance, Eigen::EigenvaluesOnly);
+  if (!(solver.eigenvalues().minCoeff() >= -rounding)) {
+    return "covariance is not positive semidefinite";
+  }
+  return {};
+}
+
+/// What is wrong with the marker, or nothing.
+std::string_view marker_fault(const MapMarker& marker) {
+  if (marker.id.number < 0 || marker.id.number >= traits(marker.id.family).id_count) {
+    return "number lies outside the family";
+  }
+  if (!is_size(marker.size_m) || !is_size(marker.stated_size_m)) {
+    return "size is not within 0 and 100 m";
+  }
+  const Rigid3& pose = marker.world_from_marker;
+  if (!(pose.translation.cwiseAbs().maxCoeff() <= kMaxPosition_m)) {
+    return "position is not finite or beyond 1000 km";
+  }
+  if (!(std::abs(pose.rotation.norm() - 1) <= kMaxQuaternionError)) {
+    return "quaternion is not of unit norm";
+  }
+  if (marker.observations > kMaxCount || marker.rejected > kMaxCount) {
+    return "number of observations is out of range";
+  }
+  if (!is_rms(marker.rms_px)) return "RMS is negative or not finite";
+  return covariance_fault(marker.covariance);
+}
+
+Status check_submap(const SubMap& submap, std::size_t number, std::set<MarkerId>& seen) {
+  if (submap.markers.empty()) return fail(ErrorKind::bad_data, "sub-map {}: no markers", number);
+  if (submap.frame > FrameKind::facility) {
+    return fail(ErrorKind::bad_data, "sub-map {}: unknown kind of frame {}", number,
+                static_cast<int>(submap.frame));
+  }
+  if (submap.frame_sets > kMaxCount || !is_rms(submap.rms_px) || !is_rms(submap.rms_all_px)) {
+    return fail(ErrorKind::bad_data, "sub-map {}: frame sets or RMS are out of range", number);
+  }
+  const MapMarker* previous = nullptr;
+  for (const MapMarker& marker : submap.markers) {
+    const auto wrong = [&](std::string_view why) {
+      return fail(ErrorKind::bad_data, "sub-map {}: marker {}: {}", number,
+                  format_marker_id(marker.id, true), why);
+    };
+    if (const std::string_view fault = marker_fault(marker); !fault.empty()) return wrong(fault);
+    if (!seen.insert(marker.id).second) return wrong("stands there twice");
+    if (previous != nullptr && marker.id < previous->id) return wrong("ids don't rise");
+    previous = &marker;
+  }
+  return {};
+}
+
+}  // namespace
+
+Status check_map(const MarkerMap& map) {
+  if (map.builder_version.size() > kMaxBuilderVersion) {
+    return fail(ErrorKind::bad_data, "builder version is longer than {} bytes", kMaxBuilderVersion);
+  }
+  if (!map.rig_fingerprint.empty() && !is_fingerprint(map.rig_fingerprint)) {
+    return fail(ErrorKind::bad_data, "rig fingerprint is not 16 hexadecimal digits");
+  }
+  const auto& captures = map.capture_fingerprints;
+  if (!std::all_of(captures.begin(), captures.end(), is_fingerprint) ||
+      !std::is_sorted(captures.begin(), captures.end())) {
+    return fail(ErrorKind::bad_data,
+                "capture fingerprints are not 16 hexadecimal digits each, in order");
+  }
+  if (map.submaps.empty()) return fail(ErrorKind::bad_data, "no markers");
+  std::set<MarkerId> seen;
+  for (std::size_t i = 0; i < map.submaps.size(); ++i) {
+    if (const auto status = check_submap(map.submaps[i], i, seen); !status) return status;
+    if (i > 0 && map.submaps[i].markers.size() > map.submaps[i - 1].markers.size()) {
+      return fail(ErrorKind::bad_data, "sub-map {}: has more markers than the one before", i);
+    }
+  }
+  return {};
+}
+
+}  // namespace waymark

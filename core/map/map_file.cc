@@ -1,0 +1,126 @@
+#include "core/map/map_file.h"
+
+#include <xxhash.h>
+
+#include <boost/crc.hpp>
+
+#include "core/base/atomic_file.h"
+#include "core/base/check.h"
+#include "core/map/map_check.h"
+#include "core/map/map_records.h"
+
+namespace waymark {
+namespace {
+
+constexpr std::string_view kMagic = "WAYMARK\n";
+constexpr std::size_t kVersionAt = 8;
+constexpr std::size_t kLengthAt = 12;
+constexpr std::size_t kCrcAt = 20;
+constexpr std::size_t kHeaderSize = 24;
+
+/// `size` bytes of `value`, lowest first.
+std::string little_endian(std::uint64_t value, std::size_t size) {
+  std::string bytes;
+  for (std::size_t i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i) & 0xFF);
+  return bytes;
+}
+
+std::uint64_t from_little_endian(std::string_view bytes) {
+  std::uint64_t value = 0;
+  for (std::size_t i = bytes.size(); i-- > 0;) {
+    value = value << 8 | static_cast<unsigned char>(bytes[i]);
+  }
+  return value;
+}
+
+/// CRC32C (Castagnoli) over the header before its CRC field and the payload.
+std::uint32_t checksum(std::string_view fields, std::string_view payload) {
+  boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
+  crc.process_bytes(fields.data(), fields.size());
+  crc.process_bytes(payload.data(), payload.size());
+  return crc.checksum();
+}
+
+/// The payload of a container whose every byte is as it was written.
+Expected<std::string_view> open_container(std::string_view bytes, const std::string& name) {
+  if (!bytes.starts_with(kMagic)) {
+    return fail(ErrorKind::bad_data,
+                "{}: no marker map: it does not begin with \"WAYMARK\"; maps are what mapbuilder "
+                "build and import write",
+                name);
+  }
+  if (bytes.size() < kHeaderSize) {
+    return fail(ErrorKind::bad_data, "{}: truncated marker map: {} bytes; copy the file again",
+                name, bytes.size());
+  }
+  const std::uint64_t version = from_little_endian(bytes.substr(kVersionAt, 4));
+  if (version > kMapContainerVersion) {
+    return fail(ErrorKind::bad_data,
+                "{}: marker map of version {}, newer than version {} which this program reads; "
+                "update Waymark here or build the map with this version",
+                name, version, kMapContainerVersion);
+  }
+  if (version == 0) {
+    return fail(ErrorKind::bad_data, "{}: damaged marker map: version 0; copy the file again",
+                name);
+  }
+  const std::uint64_t length = from_little_endian(bytes.substr(kLengthAt, 8));
+  const std::string_view payload = bytes.substr(kHeaderSize);
+  if (payload.size() != length) {
+    return fail(ErrorKind::bad_data,
+                "{}: {} marker map: {} bytes instead of {} after the header; copy the file again",
+                name, payload.size() < length ? "truncated" : "damaged", payload.size(), length);
+  }
+  if (from_little_endian(bytes.substr(kCrcAt, 4)) != checksum(bytes.substr(0, kCrcAt), payload)) {
+    return fail(ErrorKind::bad_data,
+                "{}: damaged marker map: its checksum does not fit; copy the file again", name);
+  }
+  return payload;
+}
+
+}  // namespace
+
+Expected<std::string> encode_map(const MarkerMap& map) {
+  if (const auto status = check_map(map); !status) {
+    return fail(ErrorKind::internal, "a map that can't be written was built: {}",
+                status.error().message);
+  }
+  const std::string payload = encode_records(map);
+  std::string bytes(kMagic);
+  bytes += little_endian(kMapContainerVersion, 4);
+  bytes += little_endian(payload.size(), 8);
+  bytes += little_endian(checksum(bytes, payload), 4);
+  return bytes + payload;
+}
+
+Expected<MarkerMap> decode_map(std::string_view bytes, const std::string& name) {
+  const auto payload = open_container(bytes, name);
+  if (!payload) return tl::make_unexpected(payload.error());
+  auto map = decode_records(*payload);
+  const Status status = map ? check_map(*map) : tl::make_unexpected(map.error());
+  if (!status) {
+    return fail(ErrorKind::bad_data, "{}: marker map that makes no sense: {}; build it again", name,
+                status.error().message);
+  }
+  return map;
+}
+
+Status write_map_file(const std::filesystem::path& path, const MarkerMap& map) {
+  const auto bytes = encode_map(map);
+  if (!bytes) return tl::make_unexpected(bytes.error());
+  return write_file_atomically(path, *bytes);
+}
+
+Expected<MarkerMap> read_map_file(const std::filesystem::path& path) {
+  const auto bytes = read_file(path);
+  if (!bytes) return tl::make_unexpected(bytes.error());
+  return decode_map(*bytes, path.string());
+}
+
+std::string content_hash(const MarkerMap& map) {
+  WAYMARK_CHECK(check_map(map).has_value());
+  const std::string payload = encode_records(map);
+  return fmt::format("{:016x}", XXH3_64bits(payload.data(), payload.size()));
+}
+
+}  // namespace waymark
