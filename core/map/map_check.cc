@@ -51,7 +51,7 @@ std::string_view marker_fault(const MapMarker& marker) {
     return "size is not within 0 and 100 m";
   }
   const Rigid3& pose = marker.world_from_marker;
-  if (!(pose.translation.cwiseAbs().maxCoeff() <= kMaxPosition_m)) {
+  if (!(pose.translation.array().abs() <= kMaxPosition_m).all()) {
     return "position is not finite or beyond 1000 km";
   }
   if (!(std::abs(pose.rotation.norm() - 1) <= kMaxQuaternionError)) {
