@@ -53,6 +53,26 @@ std::vector<FixedMarkerObservation> Growth::mapped_observations(const MapState& 
   return observations.empty() ? collect(false) : observations;
 }
 
+std::optional<RigPoseEstimate> Growth::solve_afresh(
+    RigPoseSolver& solver, std::span<const FixedMarkerObservation> observations,
+    const std::optional<RigPoseEstimate>& known) const {
+  if (!known) return solver.solve(observations);
+  const auto here = solver.refine(observations, known->best.pose);
+  const double most = options_.explained_sigmas2 * static_cast<double>(observations.size());
+  if (here && !known->ambiguous && here->cost <= most) {
+    // Nothing is left to explain: no other pose can be better by more than this cost.
+    RigPoseEstimate same = *known;
+    same.best = *here;
+    return same;
+  }
+  return solver.solve(observations, {&known->best.pose, 1});
+}
+
+bool Growth::differ(const Rigid3& a, const Rigid3& b) const {
+  return angle_between_rad(a.rotation, b.rotation) > options_.placement.distinct_rad ||
+         (a.translation - b.translation).norm() > options_.placement.distinct_m;
+}
+
 void Growth::localize(const std::vector<int>& frame_sets, MapState& state) const {
   std::vector<std::optional<RigPoseEstimate>> found(frame_sets.size());
   parallel_for_with(
@@ -61,11 +81,8 @@ void Growth::localize(const std::vector<int>& frame_sets, MapState& state) const
         const auto index = static_cast<std::size_t>(frame_sets[i]);
         const auto observations = mapped_observations(state, frame_sets[i]);
         if (observations.empty()) return;
-        const auto& known = state.rigs[index];
-        std::vector<Rigid3> priors;
-        if (known) priors.push_back(known->best.pose);
         RigPoseSolver& solver = solvers[static_cast<std::size_t>(table_.frame_sets[index].rig)];
-        found[i] = solver.solve(observations, priors);
+        found[i] = solve_afresh(solver, observations, state.rigs[index]);
       });
   for (std::size_t i = 0; i < frame_sets.size(); ++i) {
     state.rigs[static_cast<std::size_t>(frame_sets[i])] = found[i];
@@ -87,7 +104,8 @@ void Growth::localize_unadjusted(MapState& state) const {
   localize(left_out, state);
 }
 
-std::vector<PlacementView> Growth::placement_views(const MapState& state, int marker) const {
+std::vector<PlacementView> Growth::placement_views(const MapState& state, int marker,
+                                                   std::size_t most) const {
   std::vector<std::size_t> usable;
   for (const std::size_t index : table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
     const TableObservation& o = table_.observations[index];
@@ -96,7 +114,6 @@ std::vector<PlacementView> Growth::placement_views(const MapState& state, int ma
     }
   }
   // Half of the views are the largest, for precision; half are spread over the rest, for variety.
-  const auto most = static_cast<std::size_t>(options_.max_placement_views);
   if (usable.size() > most) {
     std::stable_sort(usable.begin(), usable.end(), [&](std::size_t a, std::size_t b) {
       return double_area(table_.observations[a].corners_px) >
@@ -127,7 +144,7 @@ std::vector<std::optional<PlacementEstimate>> Growth::place(const std::vector<in
                                                             const MapState& state) const {
   std::vector<std::optional<PlacementEstimate>> placed(markers.size());
   parallel_for(markers.size(), options_.threads, [&](std::size_t i) {
-    const auto views = placement_views(state, markers[i]);
+    const auto views = placement_views(state, markers[i], max_placement_views());
     if (!views.empty()) placed[i] = place_marker(views, options_.placement);
   });
   return placed;
@@ -209,28 +226,26 @@ std::size_t Growth::reconsider(MapState& state) const {
     if (state.rigs[static_cast<std::size_t>(f)]) sets.push_back(f);
   }
   std::vector<std::optional<RigPoseEstimate>> fresh(sets.size());
-  std::vector<char> better(sets.size(), 0);
   parallel_for_with(
       sets.size(), options_.threads, [&] { return solvers_for(table_, options_.rig_pose); },
       [&](std::vector<RigPoseSolver>& solvers, std::size_t i) {
         const auto index = static_cast<std::size_t>(sets[i]);
         RigPoseSolver& solver = solvers[static_cast<std::size_t>(table_.frame_sets[index].rig)];
         const auto observations = mapped_observations(state, sets[i]);
-        if (observations.empty()) return;
-        const auto current = solver.refine(observations, state.rigs[index]->best.pose);
-        const Rigid3 prior = current ? current->pose : state.rigs[index]->best.pose;
-        fresh[i] = solver.solve(observations, {&prior, 1});
-        better[i] = fresh[i] && (!current || fresh[i]->best.cost < current->cost - kWorthChanging);
+        if (!observations.empty()) fresh[i] = solve_afresh(solver, observations, state.rigs[index]);
       });
   for (std::size_t i = 0; i < sets.size(); ++i) {
     if (!fresh[i]) continue;
-    changed += better[i] != 0 ? 1 : 0;
     auto& rig = state.rigs[static_cast<std::size_t>(sets[i])];
     const Rigid3 adjusted = rig->best.pose;
+    const bool moved = differ(fresh[i]->best.pose, adjusted);
     rig = fresh[i];
-    // Where nothing better was found the jointly adjusted pose stays, with the fresh verdict on
-    // ambiguity.
-    if (better[i] == 0) rig->best.pose = adjusted;
+    if (moved) {
+      ++changed;
+    } else {
+      // The jointly adjusted pose stays, with the fresh verdict on ambiguity.
+      rig->best.pose = adjusted;
+    }
   }
 
   std::vector<int> markers;
@@ -239,17 +254,17 @@ std::size_t Growth::reconsider(MapState& state) const {
   }
   std::vector<std::optional<Rigid3>> replacement(markers.size());
   parallel_for(markers.size(), options_.threads, [&](std::size_t i) {
-    const auto views = placement_views(state, markers[i]);
+    const auto views = placement_views(state, markers[i], max_placement_views());
     if (views.empty()) return;
     const auto estimate = place_marker(views, options_.placement);
     const Rigid3& current = *state.world_from_marker[static_cast<std::size_t>(markers[i])];
     if (!estimate) return;
-    const bool elsewhere = angle_between_rad(estimate->best.pose.rotation, current.rotation) >
-                               options_.placement.distinct_rad ||
-                           (estimate->best.pose.translation - current.translation).norm() >
-                               options_.placement.distinct_m;
-    if (elsewhere && estimate->best.cost <
-                         placement_cost(views, current, options_.placement.loss) - kWorthChanging) {
+    if (!differ(estimate->best.pose, current)) return;
+    const auto all_views = placement_views(state, markers[i], table_.observations.size());
+    const auto cost = [&](const Rigid3& pose) {
+      return placement_cost(all_views, pose, options_.placement.loss);
+    };
+    if (cost(estimate->best.pose) < cost(current) - kWorthChanging) {
       replacement[i] = estimate->best.pose;
     }
   });

@@ -20,6 +20,9 @@ struct GrowthOptions {
   int max_placement_views = 16;
   /// The joint adjustment runs whenever the map has grown by this factor. (1.05–10)
   double adjust_growth = 1.5;
+  /// An unambiguous pose that costs at most this per observation (sigmas²) is not searched again:
+  /// twice what Gaussian noise costs in eight residuals. (8–100)
+  double explained_sigmas2 = 16.0;
   int threads = 0;  ///< 0 = all processors
 };
 
@@ -52,7 +55,17 @@ class Growth {
   [[nodiscard]] std::vector<FixedMarkerObservation> mapped_observations(const MapState& state,
                                                                         int frame_set) const;
   void localize(const std::vector<int>& frame_sets, MapState& state) const;
-  [[nodiscard]] std::vector<PlacementView> placement_views(const MapState& state, int marker) const;
+  /// Algorithm 1 from all candidates, unless the known pose, refined, explains everything already.
+  [[nodiscard]] std::optional<RigPoseEstimate> solve_afresh(
+      RigPoseSolver& solver, std::span<const FixedMarkerObservation> observations,
+      const std::optional<RigPoseEstimate>& known) const;
+  [[nodiscard]] bool differ(const Rigid3& a, const Rigid3& b) const;
+  /// At most `most` accepted views of the marker by localized frame sets.
+  [[nodiscard]] std::vector<PlacementView> placement_views(const MapState& state, int marker,
+                                                           std::size_t most) const;
+  [[nodiscard]] std::size_t max_placement_views() const {
+    return static_cast<std::size_t>(options_.max_placement_views);
+  }
   [[nodiscard]] std::vector<std::optional<PlacementEstimate>> place(const std::vector<int>& markers,
                                                                     const MapState& state) const;
 

@@ -67,13 +67,11 @@ class ObservationCost : public ceres::SizedCostFunction<8, 7, 7> {
 
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const override {
-    CornerGeometry geometry{&camera_, cam_from_rig_, to_pose(parameters[1]), to_pose(parameters[0]),
-                            Eigen::Vector3d::Zero()};
+    const CornerChain chain(camera_, cam_from_rig_, to_pose(parameters[1]), to_pose(parameters[0]));
     const auto x_in_marker = marker_corners(observation_.size_m);
     for (std::size_t i = 0; i < 4; ++i) {
-      geometry.x_in_marker = x_in_marker[i];
       CornerJacobians corner;
-      const auto residual = corner_residual(geometry, observation_.corners_px[i],
+      const auto residual = corner_residual(chain, x_in_marker[i], observation_.corners_px[i],
                                             jacobians == nullptr ? nullptr : &corner);
       // Ceres takes the step back when a corner leaves the camera's domain.
       if (!residual) return false;

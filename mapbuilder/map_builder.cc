@@ -54,9 +54,9 @@ class ComponentBuilder {
     growth.grow(
         anchor_, state_,
         [&](MapState& state) {
-          adjust({options_.loss, 10, 1e-3}, state);
+          adjust(growth, {options_.loss, 10, 1e-3});
           adapt_noise();
-          if (growth.reconsider(state) > 0) adjust({options_.loss, 10, 1e-3}, state);
+          if (growth.reconsider(state) > 0) adjust(growth, {options_.loss, 10, 1e-3});
         },
         [&](std::size_t placed, std::size_t localized) {
           progress_.update(placed, fmt::format("{} of {} frame sets localized", localized,
@@ -73,8 +73,17 @@ class ComponentBuilder {
   [[nodiscard]] bool converged() const { return converged_; }
 
  private:
-  AdjustmentSummary adjust(const AdjustmentOptions& options, MapState& state) const {
-    return adjust_jointly(table_, observations_, anchor_, options, state);
+  /// Adjusts jointly; frame sets with one accepted marker take no part and follow.
+  AdjustmentSummary adjust(const Growth& growth, const AdjustmentOptions& options) {
+    const double c0 = double(clock()) / CLOCKS_PER_SEC;
+    const AdjustmentSummary summary =
+        adjust_jointly(table_, observations_, anchor_, options, state_);
+    if (getenv("DBG"))
+      fprintf(stderr, "[cpu %.3f, %.3f] adjust it %d conv %d cost %.3f -> %.6f obs %zu\n", c0,
+              double(clock()) / CLOCKS_PER_SEC - c0, summary.iterations, summary.converged,
+              summary.initial_cost, summary.final_cost, summary.observations);
+    growth.localize_unadjusted(state_);
+    return summary;
   }
 
   /// Re-estimates the model's sigma and the whitening that follows from it; returns its relative
@@ -106,18 +115,20 @@ class ComponentBuilder {
     constexpr double kNoiseSettled = 0.02;
     progress_.begin("adjusting jointly", static_cast<std::size_t>(options_.max_passes));
     for (int pass = 0; pass < options_.max_passes; ++pass) {
-      adjust({options_.loss, 30, 1e-6}, state_);
+      adjust(growth, {options_.loss, 30, 1e-4});
       const double noise_change = adapt_noise();
       const std::size_t reconsidered = growth.reconsider(state_);
       const std::size_t gated = update_gate(table_, observations_, options_.gate, state_);
       progress_.update(static_cast<std::size_t>(pass) + 1,
                        fmt::format("model sigma {:.3f} px", noise_.model_sigma_px));
+      if (getenv("DBG"))
+        fprintf(stderr, "pass %d reconsidered %zu gated %zu sigma %.4f\n", pass, reconsidered,
+                gated, noise_.model_sigma_px);
       if (reconsidered + gated == 0 && noise_change < kNoiseSettled) break;
     }
-    const AdjustmentSummary summary = adjust({options_.loss, 200, 1e-13}, state_);
+    const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-10});
     converged_ = summary.converged || summary.observations == 0;
-    // Frame sets with one accepted marker took no part: they follow the finished map.
-    growth.localize_unadjusted(state_);
+    update_gate(table_, observations_, options_.gate, state_);
     progress_.end();
   }
 

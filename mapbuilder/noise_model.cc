@@ -7,6 +7,10 @@
 namespace waymark {
 namespace {
 
+/// Of the squared corner residuals. A median would call the tails of a real camera's model error
+/// outliers; this bears up to a tenth of true outliers.
+constexpr double kQuantile = 0.9;
+
 Eigen::Matrix2d corner_covariance(const TableObservation& o, std::size_t corner,
                                   const NoiseModel& noise, double paper_weight) {
   const double variance = noise.model_sigma_px * noise.model_sigma_px;
@@ -60,9 +64,9 @@ double estimate_model_sigma_px(const ObservationTable& table, const MapState& st
   }
   if (samples.empty()) return noise.model_sigma_px;
 
-  const double expected = 2.0 * std::log(2.0) * std::max(0.05, 1.0 - parameter_share);
+  const double expected = -2.0 * std::log(1.0 - kQuantile) * std::max(0.05, 1.0 - parameter_share);
   std::vector<double> squared(samples.size());
-  const auto median_at = [&](double sigma_px) {
+  const auto quantile_at = [&](double sigma_px) {
     NoiseModel trial = noise;
     trial.model_sigma_px = sigma_px;
     for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -72,18 +76,19 @@ double estimate_model_sigma_px(const ObservationTable& table, const MapState& st
           whitening_from_covariance(corner_covariance(o, s.corner, trial, s.weight));
       squared[i] = (w * s.residual).squaredNorm();
     }
-    const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
+    const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(
+                                              kQuantile * static_cast<double>(squared.size()));
     std::nth_element(squared.begin(), middle, squared.end());
     return *middle;
   };
-  // The median falls as sigma grows: bisection on its logarithm.
+  // The quantile falls as sigma grows: bisection on its logarithm.
   double low = kSmallestModelSigma;
   double high = kLargestModelSigma;
-  if (median_at(low) <= expected) return low;
-  if (median_at(high) >= expected) return high;
+  if (quantile_at(low) <= expected) return low;
+  if (quantile_at(high) >= expected) return high;
   for (int i = 0; i < 24; ++i) {
     const double middle = std::sqrt(low * high);
-    (median_at(middle) > expected ? low : high) = middle;
+    (quantile_at(middle) > expected ? low : high) = middle;
   }
   return std::sqrt(low * high);
 }

@@ -31,10 +31,10 @@ inline constexpr double kLargestModelSigma = 20.0;
 /// Writes every observation's whitening.
 void set_whitening(ObservationTable& table, const NoiseModel& noise);
 
-/// σ_model at which the median squared corner residual (2 degrees of freedom) in sigmas is what
-/// Gaussian noise would give (2 ln 2), corrected for `parameter_share`: the number of estimated
-/// parameters per residual component, in [0, 1). A median, so that up to half may be outliers.
-/// Looks at the given observations (both ends posed); without any: the noise model's own value.
+/// σ_model at which the 90 % quantile of the squared corner residuals (2 degrees of freedom) in
+/// sigmas is what Gaussian noise would give (−2 ln 0.1), corrected for `parameter_share`: the
+/// number of estimated parameters per residual component, in [0, 1). Looks at the given
+/// observations (both ends posed); without any: the noise model's own value.
 [[nodiscard]] double estimate_model_sigma_px(const ObservationTable& table, const MapState& state,
                                              std::span<const std::size_t> observations,
                                              const NoiseModel& noise, double parameter_share);

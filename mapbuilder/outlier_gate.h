@@ -12,7 +12,7 @@ struct GateOptions {
   /// (3–100 sigmas) An observation is rejected when its eight residuals together exceed this:
   /// Gaussian noise does so once in 10⁹ at 8. It comes back below 0.9 of it; the hysteresis keeps
   /// one at the border from toggling.
-  double reject_sigmas = 8.0;
+  double reject_sigmas = 20.0;
 };
 
 /// Judges each of the observations against the present poses: rejects those beyond the gate,

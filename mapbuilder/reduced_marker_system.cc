@@ -26,17 +26,15 @@ struct ObservationBlocks {
 std::optional<ObservationBlocks> linearize(const ObservationTable& table, const MapState& state,
                                            const TableObservation& o, const ObservationLoss& loss) {
   const RigCamera& camera = camera_of(table, o);
-  CornerGeometry geometry{&camera.model, camera.rig_from_cam.inverse(),
+  const CornerChain chain(camera.model, camera.rig_from_cam.inverse(),
                           state.rigs[static_cast<std::size_t>(o.frame_set)]->best.pose,
-                          *state.world_from_marker[static_cast<std::size_t>(o.marker)],
-                          Eigen::Vector3d::Zero()};
+                          *state.world_from_marker[static_cast<std::size_t>(o.marker)]);
   const auto x_in_marker = marker_corners(o.size_m);
   ObservationBlocks blocks;
   double s = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     CornerJacobians jacobians;
-    geometry.x_in_marker = x_in_marker[i];
-    const auto residual = corner_residual(geometry, o.corners_px[i], &jacobians);
+    const auto residual = corner_residual(chain, x_in_marker[i], o.corners_px[i], &jacobians);
     if (!residual) return std::nullopt;
     const Jacobian26 jm = o.whitening[i] * jacobians.d_marker;
     const Jacobian26 jr = o.whitening[i] * jacobians.d_rig;

@@ -10,13 +10,22 @@ namespace waymark {
 
 using Jacobian26 = Eigen::Matrix<double, 2, 6>;
 
-/// Where one marker corner stands in the chain marker → world → rig → cam → image.
-struct CornerGeometry {
-  const CameraModel* camera = nullptr;
-  Rigid3 cam_from_rig;
-  Rigid3 world_from_rig;
-  Rigid3 world_from_marker;
-  Eigen::Vector3d x_in_marker = Eigen::Vector3d::Zero();  ///< m, from marker_corners()
+/// Where an observation stands in the chain marker → world → rig → cam → image, with what its four
+/// corners share already composed.
+class CornerChain {
+ public:
+  CornerChain(const CameraModel& camera, const Rigid3& cam_from_rig, const Rigid3& world_from_rig,
+              const Rigid3& world_from_marker);
+
+ private:
+  friend std::optional<Eigen::Vector2d> corner_residual(const CornerChain&, const Eigen::Vector3d&,
+                                                        const Eigen::Vector2d&,
+                                                        struct CornerJacobians*);
+  const CameraModel& camera_;
+  Eigen::Matrix3d cam_from_world_rotation_;
+  Eigen::Vector3d cam_in_rig_axes_;  ///< cam_from_rig's translation, in the camera frame (m)
+  Eigen::Matrix3d world_from_marker_rotation_;
+  Eigen::Vector3d marker_from_rig_in_world_;  ///< marker's centre less rig's origin, world axes (m)
 };
 
 /// What a corner residual may be differentiated by. Tangents are those of Rigid3: translation (m)
@@ -28,10 +37,11 @@ struct CornerJacobians {
 
 /// The one corner residual of Waymark, χ = x − π(cam_from_rig · world_from_rig⁻¹ ·
 /// world_from_marker · X) (px), eqs. 1 and 4: serves marker adjustment (d_marker), camera-group
-/// adjustment (d_rig) and, with the marker fixed, localization. `jacobians` may be null. nullopt
-/// when the corner lies outside the camera's domain (behind it, say): then there is no residual,
-/// never a zero one.
-[[nodiscard]] std::optional<Eigen::Vector2d> corner_residual(const CornerGeometry& geometry,
+/// adjustment (d_rig) and, with the marker fixed, localization. `x_in_marker` (m) from
+/// marker_corners(); `jacobians` may be null. nullopt when the corner lies outside the camera's
+/// domain (behind it, say): then there is no residual, never a zero one.
+[[nodiscard]] std::optional<Eigen::Vector2d> corner_residual(const CornerChain& chain,
+                                                             const Eigen::Vector3d& x_in_marker,
                                                              const Eigen::Vector2d& observed_px,
                                                              CornerJacobians* jacobians);
 

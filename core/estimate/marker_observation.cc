@@ -21,10 +21,11 @@ Eigen::Matrix2d whitening_from_covariance(const Eigen::Matrix2d& covariance) {
 std::optional<std::array<Eigen::Vector2d, 4>> corner_residuals(const MarkerObservation& observation,
                                                                const CameraModel& camera,
                                                                const Rigid3& cam_from_marker) {
+  const Eigen::Matrix3d rotation = cam_from_marker.rotation.toRotationMatrix();
   std::array<Eigen::Vector2d, 4> residuals;
   const auto corners = marker_corners(observation.size_m);
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto pixel = camera.project(cam_from_marker * corners[i]);
+    const auto pixel = camera.project(rotation * corners[i] + cam_from_marker.translation);
     if (!pixel) return std::nullopt;
     residuals[i] = observation.corners_px[i] - *pixel;
   }
@@ -44,16 +45,16 @@ double squared_residual(const MarkerObservation& observation, const CameraModel&
 
 void add_observation(const MarkerObservation& observation, const ObservationGeometry& geometry,
                      const ObservationLoss& loss, FreePose free, PoseEquations& equations) {
-  CornerGeometry corner{geometry.camera, geometry.cam_from_rig, geometry.world_from_rig,
-                        geometry.world_from_marker, Eigen::Vector3d::Zero()};
+  const CornerChain chain(*geometry.camera, geometry.cam_from_rig, geometry.world_from_rig,
+                          geometry.world_from_marker);
   const auto x_in_marker = marker_corners(observation.size_m);
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   double s = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     CornerJacobians jacobians;
-    corner.x_in_marker = x_in_marker[i];
-    const auto residual = corner_residual(corner, observation.corners_px[i], &jacobians);
+    const auto residual =
+        corner_residual(chain, x_in_marker[i], observation.corners_px[i], &jacobians);
     if (!residual) {
       equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kUnprojectable);
       return;

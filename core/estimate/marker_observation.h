@@ -28,8 +28,9 @@ struct MarkerObservation {
 /// whole, because a wrong id, a moved or a half-covered marker is wrong in all its corners.
 struct ObservationLoss {
   Loss loss = Loss::huber;
-  /// (2–50 sigmas) 99 % of good observations stay below 4.5: the square root of χ²₈'s quantile.
-  double scale_sigmas = 4.5;
+  /// (2–50 sigmas) Of Gaussian observations 99.9999 % stay below: the square root of χ²₈ there.
+  /// Real ones have wider tails, and keep their say.
+  double scale_sigmas = 6.0;
 };
 
 /// W = L⁻¹ with L Lᵀ = Σ, for a positive definite Σ (px²).
