@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <set>
 #include <string_view>
-#include <tuple>
 
 #include "core/base/text_field.h"
 #include "core/base/toml_text.h"
 #include "core/camera/kalibr.h"
-#include "core/capture/image_file.h"
 
 namespace waymark {
 namespace {
@@ -18,27 +17,6 @@ namespace fs = std::filesystem;
 
 /// A larger tolerance would join frames of different places: at 1 m/s, 1 s is 1 m.
 constexpr std::int64_t kMaxSyncTolerance_us = 1'000'000;
-
-/// Spacing of images whose names are no stamps: far above any sync tolerance.
-constexpr Stamp kAssumedSpacing = std::chrono::seconds(1);
-
-Error folder_error(const fs::path& path, const std::error_code& why) {
-  const bool denied = why == std::errc::permission_denied;
-  return {denied ? ErrorKind::permission : ErrorKind::io,
-          fmt::format("{}: can't list the folder: {}", path.string(), why.message())};
-}
-
-/// Entries of a folder by rising name, without hidden ones.
-Expected<std::vector<fs::path>> list_folder(const fs::path& folder) {
-  std::error_code why;
-  std::vector<fs::path> entries;
-  for (fs::directory_iterator entry(folder, why), end; !why && entry != end; entry.increment(why)) {
-    if (!entry->path().filename().string().starts_with('.')) entries.push_back(entry->path());
-  }
-  if (why) return tl::make_unexpected(folder_error(folder, why));
-  std::sort(entries.begin(), entries.end());
-  return entries;
-}
 
 /// "cam" and a number.
 bool is_camera_folder_name(std::string_view name) {
@@ -117,22 +95,19 @@ class FolderReader {
   Status find_images() {
     const auto folders = camera_folders();
     if (!folders) return tl::make_unexpected(folders.error());
-    for (const auto& [camera, folder] : *folders) {
-      if (auto status = find_images_of(camera, folder); !status) return status;
-    }
-    if (capture_.images.empty() && !capture_.detections_csv) {
+    auto list = list_images(*folders);
+    if (!list) return tl::make_unexpected(list.error());
+    if (list->images.empty() && !capture_.detections_csv) {
       return fail(
           ErrorKind::no_input,
           "{}: empty capture: neither images (cam0/<t_ns>.jpg, png or pgm) nor detections.csv",
           capture_.path.string());
     }
-    return give_stamps();
+    capture_.images = std::move(list->images);
+    capture_.stamps_from_names = list->stamps_from_names;
+    std::move(list->notes.begin(), list->notes.end(), std::back_inserter(capture_.notes));
+    return {};
   }
-
-  struct CameraFolder {
-    int camera;
-    fs::path path;
-  };
 
   /// camK folders and rig.yaml must name the same cameras, unless there are no folders at all.
   Expected<std::vector<CameraFolder>> camera_folders() const {
@@ -162,73 +137,6 @@ class FolderReader {
                   capture_.path.string(), *present.begin());
     }
     return folders;
-  }
-
-  Status find_images_of(int camera, const fs::path& folder) {
-    const auto entries = list_folder(folder);
-    if (!entries) return tl::make_unexpected(entries.error());
-    const std::size_t before = capture_.images.size();
-    std::size_t others = 0;
-    for (const fs::path& entry : *entries) {
-      if (!is_image_name(entry)) {
-        ++others;
-        continue;
-      }
-      capture_.images.push_back({camera, Stamp::zero(), entry});
-    }
-    if (others > 0) {
-      capture_.notes.push_back(fmt::format("{}: {} of {} files are no jpg, png or pgm: left out",
-                                           folder.string(), others, entries->size()));
-    }
-    if (capture_.images.size() == before) {
-      capture_.notes.push_back(fmt::format("{}: no images", folder.string()));
-    }
-    return {};
-  }
-
-  Status give_stamps() {
-    std::size_t stamped = 0;
-    const ImageFile* without_stamp = nullptr;
-    for (ImageFile& image : capture_.images) {
-      if (const auto t_ns = parse_whole<std::int64_t>(image.path.stem().string())) {
-        image.stamp = Stamp(*t_ns);
-        ++stamped;
-      } else if (without_stamp == nullptr) {
-        without_stamp = &image;
-      }
-    }
-    if (without_stamp != nullptr && (stamped > 0 || capture_.rig.cameras.size() > 1)) {
-      return fail(ErrorKind::bad_data,
-                  "{}: the name is no stamp; name images by their mid-exposure time in ns, all "
-                  "cameras by one clock",
-                  without_stamp->path.string());
-    }
-    if (without_stamp != nullptr) {
-      capture_.stamps_from_names = false;
-      for (std::size_t i = 0; i < capture_.images.size(); ++i) {
-        capture_.images[i].stamp = kAssumedSpacing * static_cast<std::int64_t>(i);
-      }
-      capture_.notes.push_back(fmt::format(
-          "{}: names are no stamps: images are taken in the order of their names, 1 s apart",
-          capture_.path.string()));
-    }
-    return sort_images();
-  }
-
-  Status sort_images() {
-    std::vector<ImageFile>& images = capture_.images;
-    const auto key = [](const ImageFile& image) { return std::tie(image.stamp, image.camera); };
-    std::sort(images.begin(), images.end(),
-              [&](const ImageFile& a, const ImageFile& b) { return key(a) < key(b); });
-    const auto twin = std::adjacent_find(
-        images.begin(), images.end(),
-        [&](const ImageFile& a, const ImageFile& b) { return key(a) == key(b); });
-    if (twin != images.end()) {
-      return fail(ErrorKind::bad_data,
-                  "{} and {}: two images of one camera with one stamp; keep one",
-                  twin->path.string(), std::next(twin)->path.filename().string());
-    }
-    return {};
   }
 
   static bool exists(const fs::path& path) {

@@ -9,16 +9,10 @@
 #include "core/camera/rig.h"
 #include "core/capture/detection.h"
 #include "core/capture/frame_set.h"
+#include "core/capture/image_list.h"
 #include "core/marker/marker_catalog.h"
 
 namespace waymark {
-
-/// An image file of a capture.
-struct ImageFile {
-  int camera = 0;  ///< index in the rig
-  Stamp stamp{0};
-  std::filesystem::path path;
-};
 
 /// A capture folder (FORMATS): what is there, checked, without any image decoded yet.
 struct CaptureFolder {

@@ -135,7 +135,7 @@ class CatalogReader {
     }
     for (const toml::node& node : *sizes.as_array()) {
       const toml::table& block = *node.as_table();
-      if (const auto status = check_toml_keys(block, {"ids", "size_m"}, name_); !status) {
+      if (auto status = check_toml_keys(block, {"ids", "size_m"}, name_); !status) {
         return status;
       }
       const toml::node* const ids = block.get("ids");

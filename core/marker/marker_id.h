@@ -15,7 +15,7 @@ struct MarkerId {
   Family family = Family::aruco_4x4_1000;
   int number = 0;
 
-  auto operator<=>(const MarkerId&) const = default;
+  auto operator<=>(const MarkerId&) const = default;  // NOLINT(modernize-use-nullptr): false alarm
 };
 
 /// "12" when `with_family` is false, else "tag36h11:12".

@@ -1,0 +1,115 @@
+#include "core/capture/image_list.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <tuple>
+
+#include "core/base/text_field.h"
+#include "core/capture/image_file.h"
+
+namespace waymark {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Spacing of images whose names are no stamps: far above any sync tolerance.
+constexpr Stamp kAssumedSpacing = std::chrono::seconds(1);
+
+Status add_images_of(const CameraFolder& folder, ImageList& list) {
+  const auto entries = list_folder(folder.path);
+  if (!entries) return tl::make_unexpected(entries.error());
+  std::size_t others = 0;
+  for (const fs::path& entry : *entries) {
+    if (is_image_name(entry)) {
+      list.images.push_back({folder.camera, Stamp::zero(), entry});
+    } else {
+      ++others;
+    }
+  }
+  if (others > 0) {
+    list.notes.push_back(fmt::format("{}: {} of {} files are no jpg, png or pgm: left out",
+                                     folder.path.string(), others, entries->size()));
+  }
+  if (others == entries->size()) {
+    list.notes.push_back(fmt::format("{}: no images", folder.path.string()));
+  }
+  return {};
+}
+
+/// From the names; where they say nothing, from their order.
+Status give_stamps(ImageList& list, bool several_cameras) {
+  std::size_t stamped = 0;
+  const ImageFile* without_stamp = nullptr;
+  for (ImageFile& image : list.images) {
+    if (const auto t_ns = parse_whole<std::int64_t>(image.path.stem().string())) {
+      image.stamp = Stamp(*t_ns);
+      ++stamped;
+    } else if (without_stamp == nullptr) {
+      without_stamp = &image;
+    }
+  }
+  if (without_stamp == nullptr) return {};
+  if (stamped > 0 || several_cameras) {
+    return fail(ErrorKind::bad_data,
+                "{}: the name is no stamp; name images by their mid-exposure time in ns, all "
+                "cameras by one clock",
+                without_stamp->path.string());
+  }
+  list.stamps_from_names = false;
+  for (std::size_t i = 0; i < list.images.size(); ++i) {
+    list.images[i].stamp = kAssumedSpacing * static_cast<std::int64_t>(i);
+  }
+  list.notes.push_back(fmt::format(
+      "{}: names are no stamps: images are taken in the order of their names, 1 s apart",
+      without_stamp->path.parent_path().string()));
+  return {};
+}
+
+Status sort_by_stamp(std::vector<ImageFile>& images) {
+  const auto key = [](const ImageFile& image) { return std::tie(image.stamp, image.camera); };
+  std::stable_sort(images.begin(), images.end(),
+                   [&](const ImageFile& a, const ImageFile& b) { return key(a) < key(b); });
+  const auto twin =
+      std::adjacent_find(images.begin(), images.end(),
+                         [&](const ImageFile& a, const ImageFile& b) { return key(a) == key(b); });
+  if (twin != images.end()) {
+    return fail(ErrorKind::bad_data, "{} and {}: two images of one camera with one stamp; keep one",
+                twin->path.string(), std::next(twin)->path.filename().string());
+  }
+  return {};
+}
+
+}  // namespace
+
+Expected<ImageList> list_images(const std::vector<CameraFolder>& folders) {
+  ImageList list;
+  for (const CameraFolder& folder : folders) {
+    if (auto status = add_images_of(folder, list); !status) {
+      return tl::make_unexpected(status.error());
+    }
+  }
+  if (auto status = give_stamps(list, folders.size() > 1); !status) {
+    return tl::make_unexpected(status.error());
+  }
+  if (auto status = sort_by_stamp(list.images); !status) {
+    return tl::make_unexpected(status.error());
+  }
+  return list;
+}
+
+Expected<std::vector<fs::path>> list_folder(const fs::path& folder) {
+  std::error_code why;
+  std::vector<fs::path> entries;
+  for (fs::directory_iterator entry(folder, why), end; !why && entry != end; entry.increment(why)) {
+    if (!entry->path().filename().string().starts_with('.')) entries.push_back(entry->path());
+  }
+  if (why) {
+    const bool denied = why == std::errc::permission_denied;
+    return fail(denied ? ErrorKind::permission : ErrorKind::io, "{}: can't list the folder: {}",
+                folder.string(), why.message());
+  }
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+}  // namespace waymark

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/geometry/stamp.h"
+
+namespace waymark {
+
+/// An image file of a capture.
+struct ImageFile {
+  int camera = 0;  ///< index in the rig
+  Stamp stamp{0};
+  std::filesystem::path path;
+};
+
+/// Where a camera's images lie.
+struct CameraFolder {
+  int camera = 0;  ///< index in the rig
+  std::filesystem::path path;
+};
+
+/// The images of a capture, none decoded yet.
+struct ImageList {
+  std::vector<ImageFile> images;   ///< by rising (stamp, camera)
+  bool stamps_from_names = true;   ///< false: names are no stamps; sorted, 1 s apart
+  std::vector<std::string> notes;  ///< what the user should know, one line each
+};
+
+/// Lists the images of a capture's cameras; their names are stamps in ns, or, of a single camera,
+/// any names. Hidden files are passed over, other files noted. bad_data for a name that is no stamp
+/// among several cameras or other stamps, and for two images of one camera with one stamp;
+/// permission and io when a folder can't be listed.
+[[nodiscard]] Expected<ImageList> list_images(const std::vector<CameraFolder>& folders);
+
+/// Entries of a folder by rising name, without hidden ones. Errors: permission, io.
+[[nodiscard]] Expected<std::vector<std::filesystem::path>> list_folder(
+    const std::filesystem::path& folder);
+
+}  // namespace waymark
