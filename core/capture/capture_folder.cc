@@ -1,12 +1,9 @@
 #include "core/capture/capture_folder.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <iterator>
-#include <set>
 #include <string_view>
 
-#include "core/base/text_field.h"
 #include "core/base/toml_text.h"
 #include "core/camera/kalibr.h"
 
@@ -17,12 +14,6 @@ namespace fs = std::filesystem;
 
 /// A larger tolerance would join frames of different places: at 1 m/s, 1 s is 1 m.
 constexpr std::int64_t kMaxSyncTolerance_us = 1'000'000;
-
-/// "cam" and a number.
-bool is_camera_folder_name(std::string_view name) {
-  constexpr std::string_view kPrefix = "cam";
-  return name.starts_with(kPrefix) && parse_whole<unsigned>(name.substr(kPrefix.size()));
-}
 
 /// Reads one capture folder; each step fills a part of the result.
 class FolderReader {
@@ -93,7 +84,7 @@ class FolderReader {
   }
 
   Status find_images() {
-    const auto folders = camera_folders();
+    const auto folders = find_camera_folders(capture_.path, capture_.rig);
     if (!folders) return tl::make_unexpected(folders.error());
     auto list = list_images(*folders);
     if (!list) return tl::make_unexpected(list.error());
@@ -107,36 +98,6 @@ class FolderReader {
     capture_.stamps_from_names = list->stamps_from_names;
     std::move(list->notes.begin(), list->notes.end(), std::back_inserter(capture_.notes));
     return {};
-  }
-
-  /// camK folders and rig.yaml must name the same cameras, unless there are no folders at all.
-  Expected<std::vector<CameraFolder>> camera_folders() const {
-    const auto entries = list_folder(capture_.path);
-    if (!entries) return tl::make_unexpected(entries.error());
-    std::set<std::string> present;
-    std::error_code ignored;
-    for (const fs::path& entry : *entries) {
-      const std::string name = entry.filename().string();
-      if (is_camera_folder_name(name) && fs::is_directory(entry, ignored)) present.insert(name);
-    }
-    std::vector<CameraFolder> folders;
-    if (present.empty()) return folders;
-    for (std::size_t camera = 0; camera < capture_.rig.cameras.size(); ++camera) {
-      const std::string& name = capture_.rig.cameras[camera].name;
-      if (present.erase(name) == 0) {
-        return fail(ErrorKind::bad_data,
-                    "{}: rig.yaml names {}, but there is no folder {}; remove the entry or add the "
-                    "images",
-                    capture_.path.string(), name, name);
-      }
-      folders.push_back({static_cast<int>(camera), capture_.path / name});
-    }
-    if (!present.empty()) {
-      return fail(ErrorKind::bad_data,
-                  "{}: folder {} has no entry in rig.yaml; add the camera or remove the folder",
-                  capture_.path.string(), *present.begin());
-    }
-    return folders;
   }
 
   static bool exists(const fs::path& path) {

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <set>
+#include <string_view>
 #include <tuple>
 
 #include "core/base/text_field.h"
@@ -14,6 +16,12 @@ namespace fs = std::filesystem;
 
 /// Spacing of images whose names are no stamps: far above any sync tolerance.
 constexpr Stamp kAssumedSpacing = std::chrono::seconds(1);
+
+/// "cam" and a number.
+bool is_camera_folder_name(std::string_view name) {
+  constexpr std::string_view kPrefix = "cam";
+  return name.starts_with(kPrefix) && parse_whole<unsigned>(name.substr(kPrefix.size()));
+}
 
 Status add_images_of(const CameraFolder& folder, ImageList& list) {
   const auto entries = list_folder(folder.path);
@@ -80,6 +88,35 @@ Status sort_by_stamp(std::vector<ImageFile>& images) {
 }
 
 }  // namespace
+
+Expected<std::vector<CameraFolder>> find_camera_folders(const fs::path& parent, const Rig& rig) {
+  const auto entries = list_folder(parent);
+  if (!entries) return tl::make_unexpected(entries.error());
+  std::set<std::string> present;
+  std::error_code ignored;
+  for (const fs::path& entry : *entries) {
+    const std::string name = entry.filename().string();
+    if (is_camera_folder_name(name) && fs::is_directory(entry, ignored)) present.insert(name);
+  }
+  std::vector<CameraFolder> folders;
+  if (present.empty()) return folders;
+  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    const std::string& name = rig.cameras[camera].name;
+    if (present.erase(name) == 0) {
+      return fail(ErrorKind::bad_data,
+                  "{}: rig.yaml names {}, but there is no folder {}; remove the entry or add the "
+                  "images",
+                  parent.string(), name, name);
+    }
+    folders.push_back({static_cast<int>(camera), parent / name});
+  }
+  if (!present.empty()) {
+    return fail(ErrorKind::bad_data,
+                "{}: folder {} has no entry in rig.yaml; add the camera or remove the folder",
+                parent.string(), *present.begin());
+  }
+  return folders;
+}
 
 Expected<ImageList> list_images(const std::vector<CameraFolder>& folders) {
   ImageList list;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/camera/rig.h"
 #include "core/geometry/stamp.h"
 
 namespace waymark {
@@ -28,6 +29,11 @@ struct ImageList {
   bool stamps_from_names = true;   ///< false: names are no stamps; sorted, 1 s apart
   std::vector<std::string> notes;  ///< what the user should know, one line each
 };
+
+/// The camK folders in `parent`, by rising camera; none when there is none at all. bad_data when
+/// they and the rig's cameras are not the same; permission and io when `parent` can't be listed.
+[[nodiscard]] Expected<std::vector<CameraFolder>> find_camera_folders(
+    const std::filesystem::path& parent, const Rig& rig);
 
 /// Lists the images of a capture's cameras; their names are stamps in ns, or, of a single camera,
 /// any names. Hidden files are passed over, other files noted. bad_data for a name that is no stamp
