@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "core/base/atomic_file.h"
+#include "core/base/check.h"
 #include "core/base/text_field.h"
 
 namespace waymark {
@@ -316,6 +317,13 @@ Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path,
 std::string format_detections_csv(const std::vector<ImageDetections>& images, const Rig& rig,
                                   const MarkerCatalog& catalog, const std::string& detector) {
   const bool with_covariances = every_detection_has_covariances(images);
+  std::string text = detections_csv_head(catalog, detector, with_covariances);
+  append_detections_csv_rows(images, rig, catalog, with_covariances, text);
+  return text;
+}
+
+std::string detections_csv_head(const MarkerCatalog& catalog, const std::string& detector,
+                                bool with_covariances) {
   std::string text;
   auto out = std::back_inserter(text);
   fmt::format_to(out, "{}{}{}{}\n", kOwnLinePrefix, detector, kFingerprintKey,
@@ -323,6 +331,13 @@ std::string format_detections_csv(const std::vector<ImageDetections>& images, co
   fmt::format_to(out, "t_ns,camera,marker_id,{},hamming", fmt::join(kCornerColumns, ","));
   if (with_covariances) fmt::format_to(out, ",{}", fmt::join(kCovarianceColumns, ","));
   text += '\n';
+  return text;
+}
+
+void append_detections_csv_rows(const std::vector<ImageDetections>& images, const Rig& rig,
+                                const MarkerCatalog& catalog, bool with_covariances,
+                                std::string& text) {
+  auto out = std::back_inserter(text);
   const std::size_t fields_per_detection =
       kCornerColumns.size() + 1 + (with_covariances ? kCovarianceColumns.size() : 0);
   for (const ImageDetections& image : images) {
@@ -338,6 +353,7 @@ std::string format_detections_csv(const std::vector<ImageDetections>& images, co
       }
       fmt::format_to(out, ",{}", detection.hamming);
       if (with_covariances) {
+        WAYMARK_CHECK(detection.covariances.has_value());
         for (const Eigen::Matrix2d& s : *detection.covariances) {
           fmt::format_to(out, ",{:.9g},{:.9g},{:.9g}", s(0, 0), s(0, 1), s(1, 1));
         }
@@ -345,7 +361,6 @@ std::string format_detections_csv(const std::vector<ImageDetections>& images, co
       text += '\n';
     }
   }
-  return text;
 }
 
 }  // namespace waymark

@@ -41,4 +41,13 @@ struct DetectionsTable {
                                                 const Rig& rig, const MarkerCatalog& catalog,
                                                 const std::string& detector);
 
+/// The same in pieces, for tables that are larger than memory should hold: first the two lines
+/// that head the file, then the rows of some images after the other. `with_covariances` is said
+/// once for the whole file; then every detection must have them (checked).
+[[nodiscard]] std::string detections_csv_head(const MarkerCatalog& catalog,
+                                              const std::string& detector, bool with_covariances);
+void append_detections_csv_rows(const std::vector<ImageDetections>& images, const Rig& rig,
+                                const MarkerCatalog& catalog, bool with_covariances,
+                                std::string& text);
+
 }  // namespace waymark
