@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
-#include <nlohmann/json.hpp>
 #include <span>
 
+#include "core/map/json_value.h"
 #include "core/map/map_check.h"
 #include "core/map/map_file.h"
 
@@ -20,16 +20,11 @@ constexpr int kSchema = 1;
 constexpr double kMaxQuaternionError = 0.01;
 constexpr std::array kFrameNames = {"arbitrary", "scaled", "facility"};
 
-ordered_json id_json(const MarkerId& id, bool with_family) {
-  if (with_family) return format_marker_id(id, true);
-  return id.number;
-}
-
 ordered_json marker_json(const MapMarker& marker, bool with_family) {
   const Eigen::Vector3d& t = marker.world_from_marker.translation;
   const Eigen::Quaterniond& q = marker.world_from_marker.rotation;
   const double* const covariance = marker.covariance.data();
-  return {{"id", id_json(marker.id, with_family)},
+  return {{"id", json_of(marker.id, with_family)},
           {"family", name_of(marker.id.family)},
           {"size_m", marker.size_m},
           {"stated_size_m", marker.stated_size_m},

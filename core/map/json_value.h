@@ -1,0 +1,22 @@
+#pragma once
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "core/marker/marker_id.h"
+
+namespace waymark {
+
+/// A marker's id in JSON: 12, or "tag36h11:12" where several families meet. Who includes this links
+/// nlohmann_json.
+[[nodiscard]] inline nlohmann::ordered_json json_of(const MarkerId& id, bool with_family) {
+  if (with_family) return format_marker_id(id, true);
+  return id.number;
+}
+
+/// To 9 decimals (nm, 1e-9°), for results: finer digits are rounding, and differ between machines.
+[[nodiscard]] inline double nine_decimals(double value) {
+  return std::round(value * 1e9) / 1e9 + 0.0;  // + 0.0 turns -0 into 0
+}
+
+}  // namespace waymark

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <ostream>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "mapbuilder/mapping/map_builder.h"
+
+namespace waymark {
+
+/// `mapbuilder build CAPTURE... -o MAP [--trajectory RIG.tum] [--mono] [--threads N] [--strict]
+/// [--redetect]
+/// [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`
+struct BuildCommandOptions {
+  std::vector<std::filesystem::path> captures;
+  std::filesystem::path output;
+  std::optional<std::filesystem::path> trajectory;
+  bool mono = false;
+  bool strict = false;  ///< several sub-maps are an error and nothing is written
+  bool redetect = false;
+  int threads = 0;
+  BuildOptions build;
+};
+
+/// Builds a map from captures and writes it; a summary goes to `out`, warnings to `notes`. Errors:
+/// bad input (see detect_capture, make_observation_table), bad_data when not one marker could be
+/// mapped or, with `strict`, when the capture falls into parts; write errors. Nothing is written
+/// unless everything could be computed.
+[[nodiscard]] Status run_build(const BuildCommandOptions& options, Progress& progress,
+                               std::ostream& out, std::ostream& notes);
+
+}  // namespace waymark

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <ostream>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+
+namespace waymark {
+
+/// `mapbuilder detect CAPTURE [-o DETECTIONS.csv]`
+struct DetectOptions {
+  std::filesystem::path capture;
+  std::optional<std::filesystem::path> output;  ///< default: detections.csv in the capture
+  int threads = 0;
+};
+
+/// Detects the markers in a capture's images, even where a detections.csv lies beside them, and
+/// writes them as CSV. Errors of detect_capture and write_file_atomically; usage when the capture
+/// has no images.
+[[nodiscard]] Status run_detect(const DetectOptions& options, Progress& progress, std::ostream& out,
+                                std::ostream& notes);
+
+}  // namespace waymark

@@ -1,0 +1,45 @@
+#include "mapbuilder/commands/export_command.h"
+
+#include <functional>
+
+#include "core/base/atomic_file.h"
+#include "core/map/map_export.h"
+#include "core/map/map_file.h"
+#include "core/map/map_json.h"
+#include "mapbuilder/output_paths.h"
+
+namespace waymark {
+namespace {
+
+using SubMapFormat = std::function<std::string(const SubMap&, bool with_family)>;
+
+/// nullptr for an unknown format.
+SubMapFormat submap_format(const std::string& name) {
+  if (name == "tum") return format_submap_tum;
+  if (name == "csv") return format_submap_csv;
+  if (name == "ply") return [](const SubMap& submap, bool) { return format_submap_ply(submap); };
+  return nullptr;
+}
+
+}  // namespace
+
+Status run_export(const ExportOptions& options, std::ostream& notes) {
+  const SubMapFormat format = submap_format(options.format);
+  if (!format && options.format != "json") {
+    return fail(ErrorKind::usage, "unknown format '{}'; known are tum, json, csv, ply",
+                options.format);
+  }
+  const auto map = read_map_file(options.map);
+  if (!map) return tl::make_unexpected(map.error());
+  if (!format) return write_file_atomically(options.output, format_map_json(*map));
+  for (std::size_t i = 0; i < map->submaps.size(); ++i) {
+    const std::filesystem::path path = path_of_submap(options.output, i);
+    const auto status =
+        write_file_atomically(path, format(map->submaps[i], map->several_families()));
+    if (!status) return status;
+    if (i > 0) notes << fmt::format("sub-map {} is in {}\n", i, path.string());
+  }
+  return {};
+}
+
+}  // namespace waymark

@@ -1,0 +1,154 @@
+#include "mapbuilder/commands/info_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/map/json_value.h"
+#include "core/map/map_file.h"
+#include "core/map/map_json.h"
+
+namespace waymark {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+/// How many unverified markers the text names.
+constexpr std::size_t kNamed = 20;
+
+/// Figures over the markers of a sub-map.
+struct Summary {
+  std::set<Family> families;
+  std::set<double> sizes_m;
+  std::vector<MarkerId> not_verified;
+  std::uint64_t observations = 0;
+  std::uint64_t rejected = 0;
+  Eigen::Vector3d extent_m;    ///< of the centres, along the world's axes
+  double median_sigma_m = 0;   ///< root of the position covariance's trace
+  double largest_sigma_m = 0;  ///< likewise
+};
+
+Summary summarize(const SubMap& submap) {
+  Summary summary;
+  Eigen::Vector3d lowest = submap.markers.front().world_from_marker.translation;
+  Eigen::Vector3d highest = lowest;
+  std::vector<double> sigmas_m;
+  for (const MapMarker& marker : submap.markers) {
+    summary.families.insert(marker.id.family);
+    summary.sizes_m.insert(marker.size_m);
+    if (!marker.verified) summary.not_verified.push_back(marker.id);
+    summary.observations += marker.observations;
+    summary.rejected += marker.rejected;
+    lowest = lowest.cwiseMin(marker.world_from_marker.translation);
+    highest = highest.cwiseMax(marker.world_from_marker.translation);
+    sigmas_m.push_back(std::sqrt(std::max(0.0, marker.covariance.topLeftCorner<3, 3>().trace())));
+  }
+  summary.extent_m = highest - lowest;
+  std::sort(sigmas_m.begin(), sigmas_m.end());
+  summary.median_sigma_m = sigmas_m[sigmas_m.size() / 2];
+  summary.largest_sigma_m = sigmas_m.back();
+  return summary;
+}
+
+std::vector<std::string> family_names(const Summary& summary) {
+  std::vector<std::string> names;
+  for (const Family family : summary.families) names.emplace_back(name_of(family));
+  return names;
+}
+
+ordered_json submap_json(const SubMap& submap, bool with_family) {
+  const Summary summary = summarize(submap);
+  ordered_json not_verified = ordered_json::array();
+  for (const MarkerId& id : summary.not_verified) {
+    not_verified.push_back(json_of(id, with_family));
+  }
+  ordered_json json{{"frame", name_of(submap.frame)}, {"markers", submap.markers.size()}};
+  json["not_verified"] = std::move(not_verified);
+  json["families"] = family_names(summary);
+  json["sizes_m"] = summary.sizes_m;
+  json["extent_m"] = {nine_decimals(summary.extent_m.x()), nine_decimals(summary.extent_m.y()),
+                      nine_decimals(summary.extent_m.z())};
+  json["frame_sets"] = submap.frame_sets;
+  json["observations"] = summary.observations;
+  json["rejected"] = summary.rejected;
+  json["rms_px"] = submap.rms_px;
+  json["rms_all_px"] = submap.rms_all_px;
+  json["median_sigma_m"] = nine_decimals(summary.median_sigma_m);
+  json["largest_sigma_m"] = nine_decimals(summary.largest_sigma_m);
+  return json;
+}
+
+std::string format_json(const MarkerMap& map) {
+  ordered_json json{{"schema", kSchema},
+                    {"container_version", kMapContainerVersion},
+                    {"content_hash", content_hash(map)},
+                    {"builder_version", map.builder_version},
+                    {"rig_fingerprint", map.rig_fingerprint}};
+  json["capture_fingerprints"] = map.capture_fingerprints;
+  ordered_json submaps = ordered_json::array();
+  for (const SubMap& submap : map.submaps) {
+    submaps.push_back(submap_json(submap, map.several_families()));
+  }
+  json["submaps"] = std::move(submaps);
+  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string text_of_unverified(const Summary& summary, bool with_family) {
+  if (summary.not_verified.empty()) return {};
+  std::string text = "  one view, not verified:";
+  for (std::size_t i = 0; i < std::min(kNamed, summary.not_verified.size()); ++i) {
+    text += " " + format_marker_id(summary.not_verified[i], with_family);
+  }
+  if (summary.not_verified.size() > kNamed) {
+    text += fmt::format(" and {} more", summary.not_verified.size() - kNamed);
+  }
+  return text + "\n";
+}
+
+std::string text_of_submap(const SubMap& submap, std::size_t number, bool with_family) {
+  const Summary summary = summarize(submap);
+  return fmt::format(
+             "\nsub-map {}\n"
+             "  frame          {}\n"
+             "  markers        {} of {}, sizes {} m\n"
+             "  extent         {:.3f} × {:.3f} × {:.3f} m\n"
+             "  sigma          {:.2f} mm median, {:.2f} mm at most\n"
+             "  observations   {} accepted, {} rejected, in {} frame sets\n"
+             "  RMS            {:.4f} px accepted, {:.4f} px all\n",
+             number, name_of(submap.frame), submap.markers.size(),
+             fmt::join(family_names(summary), ", "), fmt::join(summary.sizes_m, ", "),
+             summary.extent_m.x(), summary.extent_m.y(), summary.extent_m.z(),
+             1e3 * summary.median_sigma_m, 1e3 * summary.largest_sigma_m, summary.observations,
+             summary.rejected, submap.frame_sets, submap.rms_px, submap.rms_all_px) +
+         text_of_unverified(summary, with_family);
+}
+
+std::string format_text(const MarkerMap& map) {
+  const auto or_none = [](const std::string& text) { return text.empty() ? "none" : text; };
+  std::string text = fmt::format(
+      "content hash     {}\n"
+      "built by         {}\n"
+      "rig              {}\n"
+      "captures         {}\n"
+      "sub-maps         {}\n",
+      content_hash(map), or_none(map.builder_version), or_none(map.rig_fingerprint),
+      or_none(fmt::format("{}", fmt::join(map.capture_fingerprints, " "))), map.submaps.size());
+  for (std::size_t i = 0; i < map.submaps.size(); ++i) {
+    text += text_of_submap(map.submaps[i], i, map.several_families());
+  }
+  return text;
+}
+
+}  // namespace
+
+Status run_info(const InfoOptions& options, std::ostream& out) {
+  const auto map = read_map_file(options.map);
+  if (!map) return tl::make_unexpected(map.error());
+  out << (options.json ? format_json(*map) : format_text(*map));
+  return {};
+}
+
+}  // namespace waymark

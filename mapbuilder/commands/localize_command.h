@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <ostream>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "mapbuilder/mapping/map_builder.h"
+
+namespace waymark {
+
+/// `mapbuilder localize CAPTURE --map MAP --trajectory OUT.tum`
+struct LocalizeOptions {
+  std::filesystem::path capture;
+  std::filesystem::path map;
+  std::filesystem::path trajectory;
+  bool mono = false;
+  bool redetect = false;
+  int threads = 0;
+  BuildOptions build;
+};
+
+/// Localizes a capture against a finished map; writes the trajectory, prints a summary. Errors: bad
+/// input, bad_data when the capture sees none of the map's markers, write errors.
+[[nodiscard]] Status run_localize(const LocalizeOptions& options, Progress& progress,
+                                  std::ostream& out, std::ostream& notes);
+
+}  // namespace waymark

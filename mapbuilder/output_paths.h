@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+namespace waymark {
+
+/// Where sub-map `index`'s file goes: the first to the named file, `out.tum`, the others beside it,
+/// `out.1.tum`, `out.2.tum`…
+[[nodiscard]] inline std::filesystem::path path_of_submap(const std::filesystem::path& path,
+                                                          std::size_t index) {
+  if (index == 0) return path;
+  std::filesystem::path name = path.stem();
+  name += "." + std::to_string(index);
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
+/// Where a camera's own trajectory (--mono) goes: `out.cam0.tum`; of sub-map 1, `out.1.cam0.tum`.
+[[nodiscard]] inline std::filesystem::path path_of_camera(const std::filesystem::path& path,
+                                                          const std::string& camera) {
+  std::filesystem::path name = path.stem();
+  name += "." + camera;
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
+}  // namespace waymark

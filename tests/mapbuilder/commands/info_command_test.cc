@@ -1,0 +1,134 @@
+#include "mapbuilder/commands/info_command.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "core/map/map_file.h"
+#include "tests/support/small_map.h"
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+class InfoCommand : public ::testing::Test {
+ protected:
+  InfoCommand() : hash_(content_hash(test::small_map())) {
+    EXPECT_TRUE(write_map_file(folder_.path() / "a.map", test::small_map()));
+  }
+  [[nodiscard]] std::string info(bool json) const {
+    std::ostringstream out;
+    const auto status = run_info({folder_.path() / "a.map", json}, out);
+    EXPECT_TRUE(status) << status.error().message;
+    return out.str();
+  }
+  test::TemporaryFolder folder_;
+  std::string hash_;
+};
+
+TEST_F(InfoCommand, JsonIsAsInTheGoldenFile) {
+  EXPECT_EQ(info(true), R"({
+  "schema": 1,
+  "container_version": 1,
+  "content_hash": ")" + hash_ +
+                            R"(",
+  "builder_version": "0.1.0",
+  "rig_fingerprint": "0123456789abcdef",
+  "capture_fingerprints": [
+    "00000000000000aa",
+    "00000000000000bb"
+  ],
+  "submaps": [
+    {
+      "frame": "scaled",
+      "markers": 3,
+      "not_verified": [
+        586
+      ],
+      "families": [
+        "tag36h11"
+      ],
+      "sizes_m": [
+        0.12,
+        0.121
+      ],
+      "extent_m": [
+        4.0,
+        2.25,
+        1.0
+      ],
+      "frame_sets": 42,
+      "observations": 631,
+      "rejected": 3,
+      "rms_px": 0.3125,
+      "rms_all_px": 0.5,
+      "median_sigma_m": 0.00244949,
+      "largest_sigma_m": 0.00244949
+    },
+    {
+      "frame": "arbitrary",
+      "markers": 2,
+      "not_verified": [],
+      "families": [
+        "tag36h11"
+      ],
+      "sizes_m": [
+        0.12
+      ],
+      "extent_m": [
+        0.0,
+        1.0,
+        0.0
+      ],
+      "frame_sets": 5,
+      "observations": 27,
+      "rejected": 2,
+      "rms_px": 0.25,
+      "rms_all_px": 0.25,
+      "median_sigma_m": 0.00244949,
+      "largest_sigma_m": 0.00244949
+    }
+  ]
+}
+)");
+}
+
+TEST_F(InfoCommand, TextIsAsInTheGoldenFile) {
+  EXPECT_EQ(info(false), "content hash     " + hash_ +
+                             "\n"
+                             "built by         0.1.0\n"
+                             "rig              0123456789abcdef\n"
+                             "captures         00000000000000aa 00000000000000bb\n"
+                             "sub-maps         2\n"
+                             "\n"
+                             "sub-map 0\n"
+                             "  frame          scaled\n"
+                             "  markers        3 of tag36h11, sizes 0.12, 0.121 m\n"
+                             "  extent         4.000 × 2.250 × 1.000 m\n"
+                             "  sigma          2.45 mm median, 2.45 mm at most\n"
+                             "  observations   631 accepted, 3 rejected, in 42 frame sets\n"
+                             "  RMS            0.3125 px accepted, 0.5000 px all\n"
+                             "  one view, not verified: 586\n"
+                             "\n"
+                             "sub-map 1\n"
+                             "  frame          arbitrary\n"
+                             "  markers        2 of tag36h11, sizes 0.12 m\n"
+                             "  extent         0.000 × 1.000 × 0.000 m\n"
+                             "  sigma          2.45 mm median, 2.45 mm at most\n"
+                             "  observations   27 accepted, 2 rejected, in 5 frame sets\n"
+                             "  RMS            0.2500 px accepted, 0.2500 px all\n");
+}
+
+TEST_F(InfoCommand, UnreadableMapsSayNothingOnStdout) {
+  std::ostringstream out;
+  const auto absent = run_info({folder_.path() / "absent.map", false}, out);
+  ASSERT_FALSE(absent);
+  EXPECT_EQ(absent.error().kind, ErrorKind::no_input);
+  const auto damaged = run_info({folder_.write("b.map", "WAYMARK\n"), false}, out);
+  ASSERT_FALSE(damaged);
+  EXPECT_EQ(damaged.error().kind, ErrorKind::bad_data);
+  EXPECT_EQ(out.str(), "");
+}
+
+}  // namespace
+}  // namespace waymark
