@@ -1,4 +1,4 @@
-#include "mapbuilder/covisibility.h"
+#include "mapbuilder/mapping/covisibility.h"
 
 #include <algorithm>
 #include <numeric>

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapbuilder/observation_table.h"
+#include "mapbuilder/mapping/observation_table.h"
 
 namespace waymark {
 

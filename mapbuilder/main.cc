@@ -1,0 +1,182 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <functional>
+#include <iostream>
+#include <map>
+
+#include "mapbuilder/commands/build_command.h"
+#include "mapbuilder/commands/detect_command.h"
+#include "mapbuilder/commands/evaluate_command.h"
+#include "mapbuilder/commands/export_command.h"
+#include "mapbuilder/commands/import_command.h"
+#include "mapbuilder/commands/info_command.h"
+#include "mapbuilder/commands/localize_command.h"
+
+namespace waymark {
+namespace {
+
+using Command = std::function<Status()>;
+
+/// Options of the estimation itself, shared by build and localize.
+void add_estimation_options(CLI::App& app, BuildOptions& options) {
+  const std::map<std::string, Loss> losses{{"huber", Loss::huber}, {"none", Loss::squared}};
+  const std::map<std::string, bool> switches{{"on", true}, {"off", false}};
+  const std::map<std::string, Weighting> weightings{{"covariance", Weighting::covariance},
+                                                    {"paper", Weighting::paper},
+                                                    {"none", Weighting::none}};
+  app.add_option("--loss", options.loss.loss, "robust loss: huber (default) or none")
+      ->transform(CLI::CheckedTransformer(losses));
+  app.add_option("--loss-sigmas", options.loss.scale_sigmas, "where Huber turns linear, in sigmas")
+      ->check(CLI::Range(2.0, 50.0))
+      ->capture_default_str();
+  app.add_option("--gate", options.gate.enabled, "outlier gate: on (default) or off")
+      ->transform(CLI::CheckedTransformer(switches));
+  app.add_option("--gate-sigmas", options.gate.reject_sigmas, "the gate's threshold, in sigmas")
+      ->check(CLI::Range(3.0, 100.0))
+      ->capture_default_str();
+  app.add_option("--weight", options.noise.weighting,
+                 "what weighs observations: covariance (default), paper (eq. 7) or none")
+      ->transform(CLI::CheckedTransformer(weightings));
+  ObservationWeightOptions& paper = options.noise.paper;
+  app.add_option("--lambda-distance", paper.lambda_distance, "eq. 7's lambda 1")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--lambda-angle", paper.lambda_angle, "eq. 7's lambda 2")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--lambda-ambiguity", paper.lambda_ambiguity, "eq. 7's lambda 3")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--epsilon-rad", paper.epsilon_rad, "eq. 7's epsilon, rad")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--max-distance-m", paper.max_distance_m, "eq. 7's d_max, m")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--max-angle-rad", paper.max_angle_rad, "eq. 7's theta_max, rad")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+void add_threads_option(CLI::App& app, int& threads) {
+  app.add_option("--threads", threads, "threads; 0 = all processors; never changes the result")
+      ->check(CLI::Range(0, 1024));
+}
+
+Command add_detect(CLI::App& app, Progress& progress) {
+  auto* sub = app.add_subcommand("detect", "find the markers in a capture's images");
+  auto options = std::make_shared<DetectOptions>();
+  sub->add_option("CAPTURE", options->capture, "capture folder")->required();
+  sub->add_option("-o,--output", options->output, "default: CAPTURE/detections.csv");
+  add_threads_option(*sub, options->threads);
+  return [options, &progress] { return run_detect(*options, progress, std::cout, std::cerr); };
+}
+
+Command add_build(CLI::App& app, Progress& progress) {
+  auto* sub = app.add_subcommand("build", "build a marker map from captures");
+  auto options = std::make_shared<BuildCommandOptions>();
+  sub->add_option("CAPTURE", options->captures, "capture folders")->required();
+  sub->add_option("-o,--output", options->output, "map file")->required();
+  sub->add_option("--trajectory", options->trajectory, "write the rig's poses (TUM)");
+  sub->add_flag("--mono", options->mono, "every image a frame of its own");
+  sub->add_flag("--strict", options->strict, "several sub-maps are an error");
+  sub->add_flag("--redetect", options->redetect, "detect even where detections.csv exists");
+  add_threads_option(*sub, options->threads);
+  add_estimation_options(*sub, options->build);
+  return [options, &progress] { return run_build(*options, progress, std::cout, std::cerr); };
+}
+
+Command add_localize(CLI::App& app, Progress& progress) {
+  auto* sub = app.add_subcommand("localize", "localize a capture against a finished map");
+  auto options = std::make_shared<LocalizeOptions>();
+  sub->add_option("CAPTURE", options->capture, "capture folder")->required();
+  sub->add_option("--map", options->map, "map file")->required();
+  sub->add_option("--trajectory", options->trajectory, "poses to write (TUM)")->required();
+  sub->add_flag("--mono", options->mono, "every image a frame of its own");
+  sub->add_flag("--redetect", options->redetect, "detect even where detections.csv exists");
+  add_threads_option(*sub, options->threads);
+  add_estimation_options(*sub, options->build);
+  return [options, &progress] { return run_localize(*options, progress, std::cout, std::cerr); };
+}
+
+Command add_info(CLI::App& app) {
+  auto* sub = app.add_subcommand("info", "say what a map holds");
+  auto options = std::make_shared<InfoOptions>();
+  sub->add_option("MAP", options->map, "map file")->required();
+  sub->add_flag("--json", options->json, "as JSON");
+  return [options] { return run_info(*options, std::cout); };
+}
+
+Command add_export(CLI::App& app) {
+  auto* sub = app.add_subcommand("export", "write a map in another form");
+  auto options = std::make_shared<ExportOptions>();
+  sub->add_option("MAP", options->map, "map file")->required();
+  sub->add_option("--format", options->format, "tum, json, csv or ply")->required();
+  sub->add_option("-o,--output", options->output, "file to write")->required();
+  return [options] { return run_export(*options, std::cerr); };
+}
+
+Command add_import(CLI::App& app) {
+  auto* sub = app.add_subcommand("import", "make a map of its JSON form");
+  auto options = std::make_shared<ImportOptions>();
+  sub->add_option("FILE", options->json, "JSON as export writes it")->required();
+  sub->add_option("-o,--output", options->output, "map file")->required();
+  return [options] { return run_import(*options, std::cout); };
+}
+
+Command add_evaluate(CLI::App& app) {
+  auto* sub = app.add_subcommand("evaluate", "compare a map with the truth");
+  auto options = std::make_shared<EvaluateOptions>();
+  sub->add_option("--map", options->map, "map file")->required();
+  sub->add_option("--trajectory", options->trajectory, "poses to compare, too (TUM)");
+  sub->add_option("--truth", options->truth, "a capture's groundtruth folder")->required();
+  sub->add_flag("--json", options->json, "as JSON");
+  return [options] { return run_evaluate(*options, std::cout); };
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Turns recorded captures of a building into a marker map.", "mapbuilder");
+  app.set_version_flag("--version", WAYMARK_VERSION);
+  app.require_subcommand(1);
+  Progress progress;
+  std::map<std::string, Command> commands;
+  commands["detect"] = add_detect(app, progress);
+  commands["build"] = add_build(app, progress);
+  commands["localize"] = add_localize(app, progress);
+  commands["info"] = add_info(app);
+  commands["export"] = add_export(app);
+  commands["import"] = add_import(app);
+  commands["evaluate"] = add_evaluate(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorKind::usage);
+  }
+  const Status status = commands.at(app.get_subcommands().front()->get_name())();
+  if (status) {
+    std::cout.flush();
+    if (std::cout.good()) return 0;
+    fmt::print(stderr, "mapbuilder: can't write to standard output\n");
+    return static_cast<int>(ErrorKind::io);
+  }
+  fmt::print(stderr, "mapbuilder: {}\n", status.error().message);
+  return status.error().exit_code();
+}
+
+}  // namespace
+}  // namespace waymark
+
+int main(int argc, char** argv) {
+  try {
+    return waymark::run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fputs("mapbuilder: out of memory: use fewer captures at a time\n", stderr);
+    return static_cast<int>(waymark::ErrorKind::unavailable);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "mapbuilder: internal error: %s; please report it\n", error.what());
+    return static_cast<int>(waymark::ErrorKind::internal);
+  }
+}

@@ -1,0 +1,287 @@
+#include "mapbuilder/mapping/growth.h"
+
+#include <algorithm>
+#include <set>
+
+#include "core/base/parallel.h"
+
+namespace waymark {
+namespace {
+
+/// A pose is replaced only by one that explains the data better by more than this (sigmas²):
+/// anything less is rounding.
+constexpr double kWorthChanging = 1.0;
+
+double double_area(const ImageCorners& c) {
+  const Eigen::Vector2d a = c[2] - c[0];
+  const Eigen::Vector2d b = c[3] - c[1];
+  return std::abs(a.x() * b.y() - a.y() * b.x());
+}
+
+/// One rig pose solver per rig of the table: a worker thread's tools.
+std::vector<RigPoseSolver> solvers_for(const ObservationTable& table,
+                                       const RigPoseOptions& options) {
+  std::vector<RigPoseSolver> solvers;
+  solvers.reserve(table.rigs.size());
+  for (const Rig& rig : table.rigs) solvers.emplace_back(rig, options);
+  return solvers;
+}
+
+}  // namespace
+
+Growth::Growth(const ObservationTable& table, const Component& component,
+               const GrowthOptions& options)
+    : table_(table), component_(component), options_(options) {
+  options_.threads = effective_threads(options.threads);
+}
+
+std::vector<FixedMarkerObservation> Growth::mapped_observations(const MapState& state,
+                                                                int frame_set) const {
+  const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
+  const auto collect = [&](bool accepted_only) {
+    std::vector<FixedMarkerObservation> observations;
+    for (std::size_t i = 0; i < set.observation_count; ++i) {
+      const std::size_t index = set.first_observation + i;
+      const TableObservation& o = table_.observations[index];
+      const auto& world_from_marker = state.world_from_marker[static_cast<std::size_t>(o.marker)];
+      if (!world_from_marker || (accepted_only && state.accepted[index] == 0)) continue;
+      observations.push_back({&o, *world_from_marker});
+    }
+    return observations;
+  };
+  auto observations = collect(true);
+  return observations.empty() ? collect(false) : observations;
+}
+
+std::optional<RigPoseEstimate> Growth::solve_afresh(
+    RigPoseSolver& solver, std::span<const FixedMarkerObservation> observations,
+    const std::optional<RigPoseEstimate>& known) const {
+  if (!known) return solver.solve(observations);
+  const auto here = solver.refine(observations, known->best.pose);
+  const double most = options_.explained_sigmas2 * static_cast<double>(observations.size());
+  if (here && !known->ambiguous && here->cost <= most) {
+    // Nothing is left to explain: no other pose can be better by more than this cost.
+    RigPoseEstimate same = *known;
+    same.best = *here;
+    return same;
+  }
+  return solver.solve(observations, {&known->best.pose, 1});
+}
+
+bool Growth::differ(const Rigid3& a, const Rigid3& b) const {
+  return angle_between_rad(a.rotation, b.rotation) > options_.placement.distinct_rad ||
+         (a.translation - b.translation).norm() > options_.placement.distinct_m;
+}
+
+void Growth::localize(const std::vector<int>& frame_sets, MapState& state) const {
+  std::vector<std::optional<RigPoseEstimate>> found(frame_sets.size());
+  parallel_for_with(
+      frame_sets.size(), options_.threads, [&] { return solvers_for(table_, options_.rig_pose); },
+      [&](std::vector<RigPoseSolver>& solvers, std::size_t i) {
+        const auto index = static_cast<std::size_t>(frame_sets[i]);
+        const auto observations = mapped_observations(state, frame_sets[i]);
+        if (observations.empty()) return;
+        RigPoseSolver& solver = solvers[static_cast<std::size_t>(table_.frame_sets[index].rig)];
+        found[i] = solve_afresh(solver, observations, state.rigs[index]);
+      });
+  for (std::size_t i = 0; i < frame_sets.size(); ++i) {
+    state.rigs[static_cast<std::size_t>(frame_sets[i])] = found[i];
+  }
+}
+
+void Growth::localize_all(MapState& state) const { localize(component_.frame_sets, state); }
+
+void Growth::localize_unadjusted(MapState& state) const {
+  std::vector<int> left_out;
+  for (const int frame_set : component_.frame_sets) {
+    const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
+    int accepted = 0;
+    for (std::size_t i = 0; i < set.observation_count; ++i) {
+      const std::size_t index = set.first_observation + i;
+      const TableObservation& o = table_.observations[index];
+      accepted += state.accepted[index] != 0 && state.posed(o) ? 1 : 0;
+    }
+    if (accepted < 2) left_out.push_back(frame_set);
+  }
+  localize(left_out, state);
+}
+
+std::vector<PlacementView> Growth::placement_views(const MapState& state, int marker,
+                                                   std::size_t most) const {
+  std::vector<std::size_t> usable;
+  for (const std::size_t index : table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
+    const TableObservation& o = table_.observations[index];
+    if (state.accepted[index] != 0 && state.rigs[static_cast<std::size_t>(o.frame_set)]) {
+      usable.push_back(index);
+    }
+  }
+  // Half of the views are the largest, for precision; half are spread over the rest, for variety.
+  if (usable.size() > most) {
+    std::stable_sort(usable.begin(), usable.end(), [&](std::size_t a, std::size_t b) {
+      return double_area(table_.observations[a].corners_px) >
+             double_area(table_.observations[b].corners_px);
+    });
+    std::vector<std::size_t> rest(usable.begin() + static_cast<std::ptrdiff_t>(most / 2),
+                                  usable.end());
+    usable.resize(most / 2);
+    std::sort(rest.begin(), rest.end());
+    const std::size_t wanted = most - most / 2;
+    for (std::size_t i = 0; i < wanted; ++i) usable.push_back(rest[i * rest.size() / wanted]);
+  }
+  std::vector<PlacementView> views;
+  views.reserve(usable.size());
+  for (const std::size_t index : usable) {
+    const TableObservation& o = table_.observations[index];
+    const RigCamera& camera = camera_of(table_, o);
+    const RigPoseEstimate& rig = *state.rigs[static_cast<std::size_t>(o.frame_set)];
+    PlacementView view{&o, &camera.model, camera.rig_from_cam.inverse(), rig.best.pose,
+                       std::nullopt};
+    if (rig.ambiguous) view.other_world_from_rig = rig.runner_up->pose;
+    views.push_back(view);
+  }
+  return views;
+}
+
+std::vector<std::optional<PlacementEstimate>> Growth::place(const std::vector<int>& markers,
+                                                            const MapState& state) const {
+  std::vector<std::optional<PlacementEstimate>> placed(markers.size());
+  parallel_for(markers.size(), options_.threads, [&](std::size_t i) {
+    const auto views = placement_views(state, markers[i], max_placement_views());
+    if (!views.empty()) placed[i] = place_marker(views, options_.placement);
+  });
+  return placed;
+}
+
+void Growth::grow(int seed, MapState& state, const AdjustJointly& adjust, const Report& report) {
+  RigPoseEstimate origin;  // the seed's frame is the world
+  state.rigs[static_cast<std::size_t>(seed)] = origin;
+
+  std::vector<std::optional<PlacementEstimate>> estimate(table_.markers.size());
+  std::set<int> dirty_markers;  // unplaced, and seen by a frame set whose pose is new
+  std::set<int> waiting;        // unplaced, with an estimate
+  const auto mark_markers_of = [&](int frame_set) {
+    const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
+    for (std::size_t i = 0; i < set.observation_count; ++i) {
+      const int marker = table_.observations[set.first_observation + i].marker;
+      if (!state.world_from_marker[static_cast<std::size_t>(marker)]) dirty_markers.insert(marker);
+    }
+  };
+  mark_markers_of(seed);
+
+  std::size_t placed = 0;
+  std::size_t localized = 1;
+  std::size_t adjusted_at = 0;
+  while (true) {
+    const std::vector<int> to_place(dirty_markers.begin(), dirty_markers.end());
+    dirty_markers.clear();
+    const auto estimates = place(to_place, state);
+    for (std::size_t i = 0; i < to_place.size(); ++i) {
+      if (!estimates[i]) continue;
+      estimate[static_cast<std::size_t>(to_place[i])] = estimates[i];
+      waiting.insert(to_place[i]);
+    }
+
+    std::vector<int> accepted;
+    int clearest = -1;
+    for (const int marker : waiting) {
+      const double gap = estimate[static_cast<std::size_t>(marker)]->gap();
+      if (gap >= options_.placement_gap) accepted.push_back(marker);
+      if (clearest < 0 || gap > estimate[static_cast<std::size_t>(clearest)]->gap()) {
+        clearest = marker;
+      }
+    }
+    if (accepted.empty() && clearest >= 0) accepted.push_back(clearest);
+    if (accepted.empty()) break;
+
+    std::set<int> dirty_sets;
+    for (const int marker : accepted) {
+      waiting.erase(marker);
+      const auto m = static_cast<std::size_t>(marker);
+      state.world_from_marker[m] = estimate[m]->best.pose;
+      ++placed;
+      for (const std::size_t index : table_.observations_of_marker[m]) {
+        dirty_sets.insert(table_.observations[index].frame_set);
+      }
+    }
+    localize({dirty_sets.begin(), dirty_sets.end()}, state);
+    const bool due = static_cast<double>(placed) >=
+                     options_.adjust_growth * static_cast<double>(adjusted_at) + 2.0;
+    if (due) {
+      adjust(state);
+      adjusted_at = placed;
+    }
+    for (const int frame_set : dirty_sets) {
+      if (state.rigs[static_cast<std::size_t>(frame_set)]) mark_markers_of(frame_set);
+    }
+    localized = static_cast<std::size_t>(
+        std::count_if(component_.frame_sets.begin(), component_.frame_sets.end(),
+                      [&](int f) { return state.rigs[static_cast<std::size_t>(f)].has_value(); }));
+    report(placed, localized);
+  }
+}
+
+std::size_t Growth::reconsider(MapState& state) const {
+  std::size_t changed = 0;
+
+  std::vector<int> sets;
+  for (const int f : component_.frame_sets) {
+    if (state.rigs[static_cast<std::size_t>(f)]) sets.push_back(f);
+  }
+  std::vector<std::optional<RigPoseEstimate>> fresh(sets.size());
+  parallel_for_with(
+      sets.size(), options_.threads, [&] { return solvers_for(table_, options_.rig_pose); },
+      [&](std::vector<RigPoseSolver>& solvers, std::size_t i) {
+        const auto index = static_cast<std::size_t>(sets[i]);
+        RigPoseSolver& solver = solvers[static_cast<std::size_t>(table_.frame_sets[index].rig)];
+        const auto observations = mapped_observations(state, sets[i]);
+        if (!observations.empty()) fresh[i] = solve_afresh(solver, observations, state.rigs[index]);
+      });
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    if (!fresh[i]) continue;
+    auto& rig = state.rigs[static_cast<std::size_t>(sets[i])];
+    const Rigid3 adjusted = rig->best.pose;
+    const bool moved = differ(fresh[i]->best.pose, adjusted);
+    rig = fresh[i];
+    if (moved) {
+      ++changed;
+    } else {
+      // The jointly adjusted pose stays, with the fresh verdict on ambiguity.
+      rig->best.pose = adjusted;
+    }
+  }
+
+  std::vector<int> markers;
+  for (const int m : component_.markers) {
+    if (state.world_from_marker[static_cast<std::size_t>(m)]) markers.push_back(m);
+  }
+  std::vector<std::optional<Rigid3>> replacement(markers.size());
+  parallel_for(markers.size(), options_.threads, [&](std::size_t i) {
+    const auto views = placement_views(state, markers[i], max_placement_views());
+    if (views.empty()) return;
+    const auto estimate = place_marker(views, options_.placement);
+    const Rigid3& current = *state.world_from_marker[static_cast<std::size_t>(markers[i])];
+    if (!estimate) return;
+    if (!differ(estimate->best.pose, current)) return;
+    const auto all_views = placement_views(state, markers[i], table_.observations.size());
+    const auto cost = [&](const Rigid3& pose) {
+      return placement_cost(all_views, pose, options_.placement.loss);
+    };
+    if (cost(estimate->best.pose) < cost(current) - kWorthChanging) {
+      replacement[i] = estimate->best.pose;
+    }
+  });
+  std::set<int> dirty_sets;
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    if (!replacement[i]) continue;
+    ++changed;
+    const auto m = static_cast<std::size_t>(markers[i]);
+    state.world_from_marker[m] = replacement[i];
+    for (const std::size_t index : table_.observations_of_marker[m]) {
+      dirty_sets.insert(table_.observations[index].frame_set);
+    }
+  }
+  if (!dirty_sets.empty()) localize({dirty_sets.begin(), dirty_sets.end()}, state);
+  return changed;
+}
+
+}  // namespace waymark

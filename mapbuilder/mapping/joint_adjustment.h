@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+
+#include "mapbuilder/mapping/map_state.h"
+
+namespace waymark {
+
+/// Options of the joint adjustment.
+struct AdjustmentOptions {
+  ObservationLoss loss;
+  int max_iterations = 50;           ///< (1–1000)
+  double function_tolerance = 1e-6;  ///< relative decrease of the cost that ends it
+};
+
+/// How an adjustment ended.
+struct AdjustmentSummary {
+  bool converged = false;
+  int iterations = 0;
+  double initial_cost = 0;  ///< ½ Σ ρ, sigmas²
+  double final_cost = 0;
+  std::size_t observations = 0;  ///< that took part
+};
+
+/// Equation 11: all placed markers and all localized frame sets together, extrinsics and
+/// intrinsics fixed, by Ceres over the one corner residual. Uses the given observations as far as
+/// both their ends are posed, they are accepted, and their frame set has at least two of them (a
+/// single one only fixes its own rig). `anchor` is the frame set that stays where it is.
+/// Parameters lie in one array in the table's order and Ceres runs on one thread: the result does
+/// not depend on memory addresses or on the number of threads. Updates the state's poses.
+AdjustmentSummary adjust_jointly(const ObservationTable& table,
+                                 std::span<const std::size_t> observations, int anchor,
+                                 const AdjustmentOptions& options, MapState& state);
+
+}  // namespace waymark

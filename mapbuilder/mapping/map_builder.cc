@@ -1,0 +1,285 @@
+#include "mapbuilder/mapping/map_builder.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/base/check.h"
+#include "mapbuilder/mapping/reduced_marker_system.h"
+
+namespace waymark {
+namespace {
+
+/// Sums of squared corner residuals over observations.
+struct ResidualSum {
+  double squared_px2 = 0;
+  std::size_t corners = 0;
+  void add(const std::array<Eigen::Vector2d, 4>& residuals) {
+    for (const Eigen::Vector2d& r : residuals) squared_px2 += r.squaredNorm();
+    corners += 4;
+  }
+  [[nodiscard]] double rms_px() const {
+    return corners == 0 ? 0.0 : std::sqrt(squared_px2 / static_cast<double>(corners));
+  }
+};
+
+/// Everything one component's build works on.
+class ComponentBuilder {
+ public:
+  ComponentBuilder(ObservationTable& table, const Component& component, const BuildOptions& options,
+                   Progress& progress)
+      : table_(table),
+        component_(component),
+        options_(options),
+        progress_(progress),
+        noise_(options.noise),
+        state_(table) {
+    options_.growth.rig_pose.loss = options.loss;
+    options_.growth.placement.loss = options.loss;
+    options_.growth.threads = options.threads;
+    for (const int frame_set : component.frame_sets) {
+      const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(frame_set)];
+      for (std::size_t i = 0; i < set.observation_count; ++i) {
+        observations_.push_back(set.first_observation + i);
+      }
+    }
+    anchor_ = choose_seed(table, component);
+  }
+
+  /// Captures, detections, graph → poses of markers and rigs.
+  void build() {
+    set_whitening(table_, noise_);
+    Growth growth(table_, component_, options_.growth);
+    progress_.begin("growing the map", component_.markers.size());
+    growth.grow(
+        anchor_, state_,
+        [&](MapState& state) {
+          adjust(growth, {options_.loss, 10, 1e-3});
+          adapt_noise();
+          if (growth.reconsider(state) > 0) adjust(growth, {options_.loss, 10, 1e-3});
+        },
+        [&](std::size_t placed, std::size_t localized) {
+          progress_.update(placed, fmt::format("{} of {} frame sets localized", localized,
+                                               component_.frame_sets.size()));
+        });
+    progress_.end();
+    settle(growth);
+    put_anchor_at_origin();
+  }
+
+  [[nodiscard]] const MapState& state() const { return state_; }
+  [[nodiscard]] const std::vector<std::size_t>& observations() const { return observations_; }
+  [[nodiscard]] double model_sigma_px() const { return noise_.model_sigma_px; }
+  [[nodiscard]] bool converged() const { return converged_; }
+
+ private:
+  /// Adjusts jointly; frame sets with one accepted marker take no part and follow.
+  AdjustmentSummary adjust(const Growth& growth, const AdjustmentOptions& options) {
+    const double c0 = double(clock()) / CLOCKS_PER_SEC;
+    const AdjustmentSummary summary =
+        adjust_jointly(table_, observations_, anchor_, options, state_);
+    fprintf(stderr, "[cpu %.3f, %.3f] adjust it %d conv %d cost %.3f -> %.6f obs %zu\n", c0,
+            double(clock()) / CLOCKS_PER_SEC - c0, summary.iterations, summary.converged,
+            summary.initial_cost, summary.final_cost, summary.observations);
+    growth.localize_unadjusted(state_);
+    return summary;
+  }
+
+  /// Re-estimates the model's sigma and the whitening that follows from it; returns its relative
+  /// change.
+  double adapt_noise() {
+    std::vector<std::size_t> posed;
+    std::set<int> sets;
+    std::set<int> markers;
+    for (const std::size_t index : observations_) {
+      const TableObservation& o = table_.observations[index];
+      if (!state_.posed(o)) continue;
+      posed.push_back(index);
+      sets.insert(o.frame_set);
+      markers.insert(o.marker);
+    }
+    // Fewer residuals than that say nothing about their own size.
+    constexpr double kMostParametersPerResidual = 0.8;
+    const double share = 6.0 * static_cast<double>(sets.size() + markers.size()) /
+                         (8.0 * static_cast<double>(std::max<std::size_t>(1, posed.size())));
+    if (share > kMostParametersPerResidual) return 0.0;
+    const double before = noise_.model_sigma_px;
+    noise_.model_sigma_px = estimate_model_sigma_px(table_, state_, posed, noise_, share);
+    set_whitening(table_, noise_);
+    return std::abs(noise_.model_sigma_px / before - 1.0);
+  }
+
+  /// Adjusts, reconsiders flips and gates until nothing changes any more.
+  void settle(const Growth& growth) {
+    constexpr double kNoiseSettled = 0.02;
+    progress_.begin("adjusting jointly", static_cast<std::size_t>(options_.max_passes));
+    for (int pass = 0; pass < options_.max_passes; ++pass) {
+      adjust(growth, {options_.loss, 30, 1e-4});
+      const double noise_change = adapt_noise();
+      const std::size_t reconsidered = growth.reconsider(state_);
+      const std::size_t gated = update_gate(table_, observations_, options_.gate, state_);
+      progress_.update(static_cast<std::size_t>(pass) + 1,
+                       fmt::format("model sigma {:.3f} px", noise_.model_sigma_px));
+      fprintf(stderr, "pass %d reconsidered %zu gated %zu sigma %.4f\n", pass, reconsidered, gated,
+              noise_.model_sigma_px);
+      if (reconsidered + gated == 0 && noise_change < kNoiseSettled) break;
+    }
+    const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-10});
+    converged_ = summary.converged || summary.observations == 0;
+    update_gate(table_, observations_, options_.gate, state_);
+    progress_.end();
+  }
+
+  /// The seed's rig frame is the world (paper §III-F.1).
+  void put_anchor_at_origin() {
+    const auto& anchor = state_.rigs[static_cast<std::size_t>(anchor_)];
+    if (!anchor) return;
+    const Rigid3 new_from_old = anchor->best.pose.inverse();
+    for (auto& marker : state_.world_from_marker) {
+      if (marker) marker = new_from_old * *marker;
+    }
+    for (auto& rig : state_.rigs) {
+      if (!rig) continue;
+      rig->best.pose = new_from_old * rig->best.pose;
+      if (rig->runner_up) rig->runner_up->pose = new_from_old * rig->runner_up->pose;
+    }
+  }
+
+  ObservationTable& table_;
+  const Component& component_;
+  BuildOptions options_;
+  Progress& progress_;
+  NoiseModel noise_;
+  MapState state_;
+  std::vector<std::size_t> observations_;
+  int anchor_ = -1;
+  bool converged_ = false;
+};
+
+/// Marks each observation that the finished map rests on.
+std::vector<char> accepted_and_posed(const ObservationTable& table, const ComponentBuilder& built) {
+  std::vector<char> used(table.observations.size(), 0);
+  for (const std::size_t index : built.observations()) {
+    if (built.state().accepted[index] != 0 && built.state().posed(table.observations[index])) {
+      used[index] = 1;
+    }
+  }
+  return used;
+}
+
+/// Statistics, covariances and trajectory of one rigid part of a finished component.
+BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& built,
+                     const Component& part, const ObservationLoss& loss) {
+  const MapState& state = built.state();
+  BuiltSubMap result;
+  result.model_sigma_px = built.model_sigma_px();
+  result.converged = built.converged();
+
+  const std::set<int> part_sets(part.frame_sets.begin(), part.frame_sets.end());
+  std::vector<std::size_t> observations;
+  for (const std::size_t index : built.observations()) {
+    const TableObservation& o = table.observations[index];
+    if (part_sets.contains(o.frame_set) && state.posed(o)) observations.push_back(index);
+  }
+  result.observations = observations.size();
+
+  ResidualSum inliers;
+  ResidualSum all;
+  std::vector<ResidualSum> per_marker(table.markers.size());
+  std::vector<std::uint32_t> rejected(table.markers.size(), 0);
+  std::vector<std::uint32_t> accepted(table.markers.size(), 0);
+  for (const std::size_t index : observations) {
+    const TableObservation& o = table.observations[index];
+    const auto marker = static_cast<std::size_t>(o.marker);
+    const auto residuals =
+        corner_residuals(o, camera_of(table, o).model, cam_from_marker(table, state, o));
+    if (residuals) all.add(*residuals);
+    if (state.accepted[index] == 0 || !residuals) {
+      ++rejected[marker];
+      ++result.rejected;
+      continue;
+    }
+    ++accepted[marker];
+    inliers.add(*residuals);
+    per_marker[marker].add(*residuals);
+  }
+  result.map.rms_px = inliers.rms_px();
+  result.map.rms_all_px = all.rms_px();
+
+  for (const int frame_set : part.frame_sets) {
+    const RigPoseEstimate& rig = *state.rigs[static_cast<std::size_t>(frame_set)];
+    if (rig.ambiguous) {
+      result.ambiguous.push_back(frame_set);
+    } else {
+      result.trajectory.push_back({frame_set, rig.best.pose});
+    }
+  }
+  result.map.frame_sets = static_cast<std::uint32_t>(result.trajectory.size());
+
+  const ReducedMarkerSystem system = reduce_to_markers(table, observations, loss, state);
+  const std::vector<Matrix6d> covariances = marker_covariances(system, state);
+  for (const int index : part.markers) {
+    const auto m = static_cast<std::size_t>(index);
+    MapMarker marker;
+    marker.id = table.markers[m];
+    marker.stated_size_m = marker.size_m = table.sizes_m[m];
+    marker.world_from_marker = *state.world_from_marker[m];
+    marker.observations = accepted[m];
+    marker.rejected = rejected[m];
+    marker.rms_px = per_marker[m].rms_px();
+    marker.verified = accepted[m] >= 2;
+    const auto slot = std::lower_bound(system.markers.begin(), system.markers.end(), index);
+    if (!covariances.empty() && slot != system.markers.end() && *slot == index) {
+      marker.covariance = covariances[static_cast<std::size_t>(slot - system.markers.begin())];
+    }
+    result.map.markers.push_back(marker);
+  }
+  return result;
+}
+
+}  // namespace
+
+BuildResult build_map(ObservationTable& table, const BuildOptions& options, Progress& progress) {
+  BuildResult result;
+  result.map.builder_version = WAYMARK_VERSION;
+  result.map.capture_fingerprints = table.capture_fingerprints;
+  std::sort(result.map.capture_fingerprints.begin(), result.map.capture_fingerprints.end());
+  result.map.rig_fingerprint = fingerprint(table.rigs.front());
+
+  std::set<int> mapped;
+  std::set<int> localized;
+  const std::vector<char> everything(table.observations.size(), 1);
+  for (const Component& component : connected_components(table, everything)) {
+    ComponentBuilder builder(table, component, options, progress);
+    builder.build();
+    // What the gate rejected may have held the component together: each rigid part is a sub-map of
+    // its own.
+    for (const Component& part : connected_components(table, accepted_and_posed(table, builder))) {
+      result.submaps.push_back(describe(table, builder, part, options.loss));
+      mapped.insert(part.markers.begin(), part.markers.end());
+      localized.insert(part.frame_sets.begin(), part.frame_sets.end());
+    }
+  }
+  std::stable_sort(result.submaps.begin(), result.submaps.end(),
+                   [](const BuiltSubMap& a, const BuiltSubMap& b) {
+                     if (a.map.markers.size() != b.map.markers.size()) {
+                       return a.map.markers.size() > b.map.markers.size();
+                     }
+                     return a.map.markers.front().id < b.map.markers.front().id;
+                   });
+  for (const BuiltSubMap& submap : result.submaps) result.map.submaps.push_back(submap.map);
+
+  for (std::size_t m = 0; m < table.markers.size(); ++m) {
+    if (!mapped.contains(static_cast<int>(m))) result.unmapped.push_back(table.markers[m]);
+  }
+  for (std::size_t f = 0; f < table.frame_sets.size(); ++f) {
+    if (table.frame_sets[f].observation_count == 0) {
+      result.without_markers.push_back(static_cast<int>(f));
+    } else if (!localized.contains(static_cast<int>(f))) {
+      result.unlocalized.push_back(static_cast<int>(f));
+    }
+  }
+  return result;
+}
+
+}  // namespace waymark

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/progress.h"
+#include "core/map/marker_map.h"
+#include "mapbuilder/mapping/growth.h"
+#include "mapbuilder/mapping/joint_adjustment.h"
+#include "mapbuilder/mapping/noise_model.h"
+#include "mapbuilder/mapping/outlier_gate.h"
+
+namespace waymark {
+
+/// Options of a build. Defaults are what `mapbuilder build` uses.
+struct BuildOptions {
+  NoiseModel noise;      ///< its model_sigma_px is the start; it is estimated from the residuals
+  ObservationLoss loss;  ///< of Algorithms 1 and 2
+  GateOptions gate;
+  GrowthOptions growth;
+  int max_passes = 8;  ///< (1–50) of adjust, reconsider, gate
+  int threads = 0;     ///< 0 = all processors; never changes the result
+};
+
+/// A frame set with a pose.
+struct LocalizedFrameSet {
+  int frame_set = 0;  ///< index in the table
+  Rigid3 world_from_rig;
+};
+
+/// One sub-map beside what the map file does not hold.
+struct BuiltSubMap {
+  SubMap map;
+  std::vector<LocalizedFrameSet> trajectory;  ///< by rising table index; unambiguous ones only
+  std::vector<int>
+      ambiguous;  ///< frame sets whose runner-up explains their data too; in no trajectory
+  double model_sigma_px = 0;     ///< estimated, per axis
+  std::size_t observations = 0;  ///< of mapped markers in localized frame sets
+  std::size_t rejected = 0;      ///< of these, by the gate
+  bool converged = false;
+};
+
+/// What a build gives.
+struct BuildResult {
+  MarkerMap map;
+  std::vector<BuiltSubMap> submaps;  ///< in the map's order
+  std::vector<MarkerId> unmapped;    ///< seen, but no pose could be trusted
+  std::vector<int> unlocalized;      ///< frame sets with observations but without a pose
+  std::vector<int> without_markers;  ///< frame sets without a usable observation
+};
+
+/// Builds the map of all captures in the table: components, growth (Algorithm 2), joint adjustment
+/// (eq. 11), reconsideration of flips, outlier gate, covariances. Overwrites the table's whitening.
+[[nodiscard]] BuildResult build_map(ObservationTable& table, const BuildOptions& options,
+                                    Progress& progress);
+
+}  // namespace waymark

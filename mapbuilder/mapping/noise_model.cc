@@ -1,0 +1,96 @@
+#include "mapbuilder/mapping/noise_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace waymark {
+namespace {
+
+/// Of the squared corner residuals. A median would call the tails of a real camera's model error
+/// outliers; this bears up to a tenth of true outliers.
+constexpr double kQuantile = 0.9;
+
+Eigen::Matrix2d corner_covariance(const TableObservation& o, std::size_t corner,
+                                  const NoiseModel& noise, double paper_weight) {
+  const double variance = noise.model_sigma_px * noise.model_sigma_px;
+  const Eigen::Matrix2d model = variance * Eigen::Matrix2d::Identity();
+  switch (noise.weighting) {
+    case Weighting::covariance:
+      return o.covariances[corner] + model;
+    case Weighting::paper:
+      return model / paper_weight;
+    case Weighting::none:
+      break;
+  }
+  return model;
+}
+
+double paper_weight(const TableObservation& o, const NoiseModel& noise) {
+  return noise.weighting == Weighting::paper && o.ippe ? observation_weight(*o.ippe, noise.paper)
+                                                       : 1.0;
+}
+
+}  // namespace
+
+void set_whitening(ObservationTable& table, const NoiseModel& noise) {
+  for (TableObservation& o : table.observations) {
+    const double weight = paper_weight(o, noise);
+    for (std::size_t i = 0; i < 4; ++i) {
+      o.whitening[i] = whitening_from_covariance(corner_covariance(o, i, noise, weight));
+    }
+  }
+}
+
+double estimate_model_sigma_px(const ObservationTable& table, const MapState& state,
+                               std::span<const std::size_t> observations, const NoiseModel& noise,
+                               double parameter_share) {
+  struct CornerSample {
+    Eigen::Vector2d residual;
+    std::size_t observation;
+    std::size_t corner;
+    double weight;
+  };
+  std::vector<CornerSample> samples;
+  samples.reserve(4 * observations.size());
+  for (const std::size_t index : observations) {
+    const TableObservation& o = table.observations[index];
+    const auto residuals =
+        corner_residuals(o, camera_of(table, o).model, cam_from_marker(table, state, o));
+    if (!residuals) continue;
+    for (std::size_t i = 0; i < 4; ++i) {
+      samples.push_back({(*residuals)[i], index, i, paper_weight(o, noise)});
+    }
+  }
+  if (samples.empty()) return noise.model_sigma_px;
+
+  const double expected = -2.0 * std::log(1.0 - kQuantile) * std::max(0.05, 1.0 - parameter_share);
+  std::vector<double> squared(samples.size());
+  const auto quantile_at = [&](double sigma_px) {
+    NoiseModel trial = noise;
+    trial.model_sigma_px = sigma_px;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const CornerSample& s = samples[i];
+      const TableObservation& o = table.observations[s.observation];
+      const Eigen::Matrix2d w =
+          whitening_from_covariance(corner_covariance(o, s.corner, trial, s.weight));
+      squared[i] = (w * s.residual).squaredNorm();
+    }
+    const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(
+                                              kQuantile * static_cast<double>(squared.size()));
+    std::nth_element(squared.begin(), middle, squared.end());
+    return *middle;
+  };
+  // The quantile falls as sigma grows: bisection on its logarithm.
+  double low = kSmallestModelSigma;
+  double high = kLargestModelSigma;
+  if (quantile_at(low) <= expected) return low;
+  if (quantile_at(high) >= expected) return high;
+  for (int i = 0; i < 24; ++i) {
+    const double middle = std::sqrt(low * high);
+    (quantile_at(middle) > expected ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
+}
+
+}  // namespace waymark

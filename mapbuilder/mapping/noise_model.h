@@ -1,0 +1,42 @@
+#pragma once
+
+#include <span>
+
+#include "core/estimate/observation_weight.h"
+#include "mapbuilder/mapping/map_state.h"
+
+namespace waymark {
+
+/// What weighs an observation against another.
+enum class Weighting {
+  covariance,  ///< inverse corner covariance, the detector's plus the model's error
+  paper,       ///< eqs. 7–8
+  none,        ///< all alike
+};
+
+/// How sure a corner is: Σ = Σ_detector + σ_model² I (covariance), σ_model²/w I (paper), σ_model² I
+/// (none). σ_model (px, per axis) stands for what no detector can know: calibration, print,
+/// flatness; where the detector states no covariance it carries all. It is estimated from the
+/// residuals, so that sigmas mean sigmas.
+struct NoiseModel {
+  Weighting weighting = Weighting::covariance;
+  ObservationWeightOptions paper;
+  double model_sigma_px = 1.0;  ///< (0.02–20)
+};
+
+/// Bounds of the estimate. Below 0.02 px nothing real is; above 20 px nothing fits.
+inline constexpr double kSmallestModelSigma = 0.02;
+inline constexpr double kLargestModelSigma = 20.0;
+
+/// Writes every observation's whitening.
+void set_whitening(ObservationTable& table, const NoiseModel& noise);
+
+/// σ_model at which the 90 % quantile of the squared corner residuals (2 degrees of freedom) in
+/// sigmas is what Gaussian noise would give (−2 ln 0.1), corrected for `parameter_share`: the
+/// number of estimated parameters per residual component, in [0, 1). Looks at the given
+/// observations (both ends posed); without any: the noise model's own value.
+[[nodiscard]] double estimate_model_sigma_px(const ObservationTable& table, const MapState& state,
+                                             std::span<const std::size_t> observations,
+                                             const NoiseModel& noise, double parameter_share);
+
+}  // namespace waymark

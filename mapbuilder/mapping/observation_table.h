@@ -1,0 +1,77 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/camera/rig.h"
+#include "core/capture/detection.h"
+#include "core/capture/frame_set.h"
+#include "core/estimate/marker_observation.h"
+#include "core/marker/marker_catalog.h"
+
+namespace waymark {
+
+/// A capture with its detections made or read: what mapping starts from.
+struct DetectedCapture {
+  std::string name;  ///< for messages
+  Rig rig;
+  MarkerCatalog catalog;
+  std::vector<ImageDetections> images;  ///< by rising (stamp, camera)
+  Stamp sync_tolerance = kDefaultSyncTolerance;
+};
+
+/// 16 hexadecimal digits that depend on a rig's numbers, or on a capture's detections, and nothing
+/// else.
+[[nodiscard]] std::string fingerprint(const Rig& rig);
+[[nodiscard]] std::string fingerprint(const DetectedCapture& capture);
+
+/// One observation as mapping sees it.
+struct TableObservation : MarkerObservation {
+  int frame_set = 0;              ///< index
+  int marker = 0;                 ///< index
+  CornerCovariances covariances;  ///< the detector's (px²); zero when it states none
+};
+
+/// One frame set of the table; its observations are contiguous.
+struct TableFrameSet {
+  int rig = 0;      ///< index
+  int capture = 0;  ///< index, in canonical order
+  Stamp stamp{0};
+  int camera = -1;  ///< mono: the camera's number in its capture; −1 for a whole rig
+  std::size_t first_observation = 0;
+  std::size_t observation_count = 0;
+};
+
+/// All observations of a build in one canonical order (captures by fingerprint; frame sets by
+/// stamp; observations by camera, marker, corners), so that neither the order of rows nor that of
+/// captures nor the number of threads can leave a trace in the result.
+struct ObservationTable {
+  std::vector<Rig> rigs;
+  std::vector<std::string> capture_names;  ///< canonical order
+  std::vector<std::string> capture_fingerprints;
+  std::vector<MarkerId> markers;  ///< rising
+  std::vector<double> sizes_m;    ///< stated, per marker
+  std::vector<TableFrameSet> frame_sets;
+  std::vector<TableObservation> observations;
+  std::vector<std::vector<std::size_t>> observations_of_marker;  ///< per marker, rising
+  /// Observations of an id that was found twice in one image; neither can be trusted, none is used.
+  int repeated_in_image = 0;
+  /// Observations whose corners can't be undistorted or are no front view of a square.
+  int degenerate = 0;
+
+  [[nodiscard]] bool several_families() const;
+};
+
+/// How captures become a table.
+struct TableOptions {
+  bool mono = false;  ///< every image a frame of its own, extrinsics unused
+  int threads = 0;    ///< for IPPE; 0 = all processors
+};
+
+/// Errors: bad_data when two captures state different sizes for one marker, or a rig without
+/// extrinsics is used otherwise than mono; usage when there is no capture.
+[[nodiscard]] Expected<ObservationTable> make_observation_table(
+    std::vector<DetectedCapture> captures, const TableOptions& options);
+
+}  // namespace waymark
