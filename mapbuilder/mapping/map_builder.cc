@@ -75,12 +75,8 @@ class ComponentBuilder {
  private:
   /// Adjusts jointly; frame sets with one accepted marker take no part and follow.
   AdjustmentSummary adjust(const Growth& growth, const AdjustmentOptions& options) {
-    const double c0 = double(clock()) / CLOCKS_PER_SEC;
     const AdjustmentSummary summary =
         adjust_jointly(table_, observations_, anchor_, options, state_);
-    fprintf(stderr, "[cpu %.3f, %.3f] adjust it %d conv %d cost %.3f -> %.6f obs %zu\n", c0,
-            double(clock()) / CLOCKS_PER_SEC - c0, summary.iterations, summary.converged,
-            summary.initial_cost, summary.final_cost, summary.observations);
     growth.localize_unadjusted(state_);
     return summary;
   }
@@ -120,8 +116,6 @@ class ComponentBuilder {
       const std::size_t gated = update_gate(table_, observations_, options_.gate, state_);
       progress_.update(static_cast<std::size_t>(pass) + 1,
                        fmt::format("model sigma {:.3f} px", noise_.model_sigma_px));
-      fprintf(stderr, "pass %d reconsidered %zu gated %zu sigma %.4f\n", pass, reconsidered, gated,
-              noise_.model_sigma_px);
       if (reconsidered + gated == 0 && noise_change < kNoiseSettled) break;
     }
     const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-10});
