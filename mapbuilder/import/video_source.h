@@ -1,0 +1,59 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/camera/rig.h"
+#include "core/capture/gray_image.h"
+#include "core/geometry/stamp.h"
+
+namespace waymark {
+
+/// How videos are read.
+struct VideoOptions {
+  int every = 1;  ///< one of so many frames of each video is taken, ≥ 1; the first always
+  bool synchronized = false;  ///< several videos: their stamps count from one instant (--sync)
+};
+
+/// One frame of a video.
+struct VideoFrame {
+  int camera = 0;   ///< index in the rig
+  Stamp stamp{0};   ///< of the container, since the video's beginning
+  GrayImage image;  ///< Rec. 601 luma; a rotation that the container asks for is ignored
+};
+
+/// Frames of one video per camera, one at a time, by rising (stamp, camera); a frame is held per
+/// video, no more. Not for use from several threads.
+class VideoSource {
+ public:
+  /// `videos` in the order of the rig's cameras. Errors: usage (several videos without
+  /// `synchronized`; not as many as the rig has cameras; `every` below 1), no_input (absent),
+  /// bad_data (not a video that can be decoded; frames of another size than rig.yaml states).
+  [[nodiscard]] static Expected<VideoSource> open(const std::vector<std::filesystem::path>& videos,
+                                                  const Rig& rig, const VideoOptions& options);
+
+  VideoSource(VideoSource&&) noexcept;
+  VideoSource& operator=(VideoSource&&) noexcept;
+  ~VideoSource();
+
+  /// The next frame; nullopt at the end. bad_data when a video's stamps don't rise.
+  [[nodiscard]] Expected<std::optional<VideoFrame>> next();
+
+  /// How many frames next() will yield as the containers announce it; 0 = unknown.
+  [[nodiscard]] std::size_t expected_frames() const;
+
+  /// What the user should know, one line each; complete after the last frame.
+  [[nodiscard]] const std::vector<std::string>& notes() const;
+
+ private:
+  struct State;
+  explicit VideoSource(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace waymark
