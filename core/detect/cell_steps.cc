@@ -47,27 +47,33 @@ double CellSteps::whiteness(int row, double column, double columns_per_px, doubl
 }
 
 InwardSteps CellSteps::behind(const Eigen::Vector2d& pixel, const Eigen::Vector2d& inward,
-                              const Eigen::Vector2d& along, double blur_px) const {
+                              const Eigen::Vector2d& along, double blur_px, double reach_px) const {
   const Eigen::Vector3d at = unit_from_pixel_ * pixel.homogeneous();
   const Eigen::Vector3d per_px = unit_from_pixel_.leftCols<2>() * inward;
   const Eigen::Vector3d aside = unit_from_pixel_.leftCols<2>() * along;
   const int cells = bits_->cells;
   InwardSteps steps;
+  // (at.y + x per_px.y) / (at.z + x per_px.z) = row / cells, solved for the depth x
+  const auto depth_of = [&](int row) {
+    const double down = static_cast<double>(row) / cells;
+    return (down * at.z() - at.y()) / (per_px.y() - down * per_px.z());
+  };
   double before = 0;
   for (std::size_t i = 0; i < InwardSteps::kRows; ++i) {
     const int row = static_cast<int>(i) + 1;
-    const double down = static_cast<double>(row) / cells;
-    // (at.y + x per_px.y) / (at.z + x per_px.z) = down, solved for the depth x
-    const double depth = (down * at.z() - at.y()) / (per_px.y() - down * per_px.z());
+    const double depth = depth_of(row);
+    steps.depth_px[i] = depth;
+    steps.change[i] = 0;
+    if (!(depth < reach_px)) continue;
     const Eigen::Vector3d there = at + depth * per_px;
     const double across = there.x() / there.z();
     const double columns_per_px = std::abs(cells * (aside.x() - across * aside.z()) / there.z());
     const double here = row < cells ? whiteness(row, cells * across, columns_per_px, blur_px) : 0;
-    steps.depth_px[i] = depth;
     steps.change[i] = here - before;
     before = here;
   }
   steps.border_px = steps.depth_px[0];
+  steps.paper_px = -depth_of(-1);
   return steps;
 }
 

@@ -15,6 +15,7 @@ struct InwardSteps {
   std::array<double, kRows> depth_px;
   std::array<double, kRows> change;
   double border_px = 0;  ///< width of the black border there
+  double paper_px = 0;   ///< width of one cell of paper outside of it
 };
 
 /// The cells behind one side of a marker as the image shows them: the black border, then the first
@@ -25,10 +26,11 @@ class CellSteps {
   /// a marker is neglected here. Corners on a line give a depthless marker.
   CellSteps(const ImageCorners& corners, std::size_t side, const MarkerBits& bits);
 
-  /// Behind the side's point `pixel`; `inward` and `along` are unit. Between two cells of a row the
-  /// whiteness is blended by the blur.
+  /// Behind the side's point `pixel`, no deeper than `reach_px`; `inward` and `along` are unit.
+  /// Between two cells of a row the whiteness is blended by the blur.
   [[nodiscard]] InwardSteps behind(const Eigen::Vector2d& pixel, const Eigen::Vector2d& inward,
-                                   const Eigen::Vector2d& along, double blur_px) const;
+                                   const Eigen::Vector2d& along, double blur_px,
+                                   double reach_px) const;
 
  private:
   [[nodiscard]] double whiteness(int row, double column, double columns_per_px,

@@ -63,8 +63,9 @@ class Refinement {
   std::optional<Failure> fit_once(int max_columns);
   std::optional<Failure> look_at_sides();
   std::optional<Failure> move_sides(const std::array<Eigen::Vector2d, 4>& shifts_px);
-  void share_appearance();
+  void share_appearance(double log_blur_sigma);
   [[nodiscard]] double border_px(std::size_t side) const;
+  [[nodiscard]] double shift_sigma_px() const;
   [[nodiscard]] std::optional<Failure> judge() const;
 
   const GrayView& image_;
@@ -77,7 +78,6 @@ class Refinement {
   std::array<std::optional<ImageSide>, 4> sides_;
   std::array<SideAppearance, 4> appearances_;
   std::array<SidePrior, 4> priors_;
-  bool have_priors_ = false;
   std::array<SideStep, 4> steps_;
   double last_shift_px_ = 0;
 };
@@ -102,7 +102,8 @@ std::optional<Failure> Refinement::place_rough_corners() {
 /// Brings the image's view of the sides up to date with the corners.
 std::optional<Failure> Refinement::look_at_sides() {
   for (std::size_t i = 0; i < 4; ++i) {
-    sides_[i] = ImageSide::create(plane_, corners_[i], corners_[(i + 1) % 4]);
+    sides_[i] =
+        ImageSide::create(plane_, corners_[i], corners_[(i + 1) % 4], appearances_[i].bow_px);
     if (!sides_[i]) return Failure::outside_camera;
     pixels_[i] = sides_[i]->start_px();
   }
@@ -113,7 +114,8 @@ std::optional<Failure> Refinement::look_at_sides() {
 double Refinement::border_px(std::size_t side) const {
   const CellSteps cells(pixels_, side, bits_);
   return cells
-      .behind(sides_[side]->point_px(0.5), -sides_[side]->outward(), sides_[side]->along(), 1.0)
+      .behind(sides_[side]->point_px(0.5), -sides_[side]->outward(), sides_[side]->along(), 1.0,
+              0.0)
       .border_px;
 }
 
@@ -149,6 +151,7 @@ std::optional<Failure> Refinement::search() {
   constexpr int kLooks = 2;
   for (int look = 0; look < kLooks; ++look) {
     std::array<Eigen::Vector2d, 4> shifts_px;
+    double farthest_px = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       const double reach_px = std::clamp(1.2 * border_px(i), 1.5, options_.max_shift_px);
       const auto found = search_side(image_, *sides_[i], reach_px);
@@ -157,19 +160,25 @@ std::optional<Failure> Refinement::search() {
         return Failure::low_contrast;
       }
       shifts_px[i] = found->shift_px;
+      farthest_px = std::max(farthest_px, found->shift_px.cwiseAbs().maxCoeff());
       SideAppearance& appearance = appearances_[i];
       appearance.black_grey.setConstant(found->black_grey);
       appearance.white_grey.setConstant(found->white_grey);
+      appearance.bow_px += found->bow_px;
+      appearance.blur_px = found->blur_px;
       appearance.noise_grey = 0.1 * appearance.contrast_grey();
     }
     if (const auto failure = move_sides(shifts_px)) return failure;
+    if (farthest_px < 1) break;
   }
+  constexpr double kUnknownLogBlurSigma = 0.7;
+  share_appearance(kUnknownLogBlurSigma);
   return std::nullopt;
 }
 
 /// Prior of every side: greys from the plane through all sides' greys over the image, blur from its
 /// own and the opposite side's, which blur alike even when the camera moves.
-void Refinement::share_appearance() {
+void Refinement::share_appearance(double log_blur_sigma) {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
   const auto at = [&](std::size_t corner) {
@@ -199,14 +208,13 @@ void Refinement::share_appearance() {
     }
     prior.grey_sigma = 0.04 * contrast;
     const std::size_t opposite = (i + 2) % 4;
-    const double own = steps_[i].information_blur;
-    const double other = steps_[opposite].information_blur;
+    const double own = 1e-9 + steps_[i].information_blur;
+    const double other = 1e-9 + steps_[opposite].information_blur;
     prior.mean.blur_px = std::exp((own * std::log(appearances_[i].blur_px) +
                                    other * std::log(appearances_[opposite].blur_px)) /
                                   (own + other));
-    prior.log_blur_sigma = 0.1;
+    prior.log_blur_sigma = log_blur_sigma;
   }
-  have_priors_ = true;
 }
 
 std::optional<Failure> Refinement::fit_once(int max_columns) {
@@ -215,8 +223,7 @@ std::optional<Failure> Refinement::fit_once(int max_columns) {
   for (std::size_t i = 0; i < 4; ++i) {
     const CellSteps cells(pixels_, i, bits_);
     const SideScene scene{*sides_[i], *sides_[(i + 3) % 4], *sides_[(i + 1) % 4], cells};
-    const auto step =
-        fit_side(image_, scene, appearances_[i], have_priors_ ? &priors_[i] : nullptr, max_columns);
+    const auto step = fit_side(image_, scene, appearances_[i], priors_[i], max_columns);
     if (!step) return Failure::too_small;
     steps_[i] = *step;
     constexpr double kMaxStepPx = 1;
@@ -228,33 +235,46 @@ std::optional<Failure> Refinement::fit_once(int max_columns) {
     if (appearances_[i].contrast_grey() < options_.min_contrast_grey) return Failure::low_contrast;
   }
   if (const auto failure = move_sides(shifts_px)) return failure;
-  share_appearance();
+  constexpr double kLogBlurSigma = 0.1;
+  share_appearance(kLogBlurSigma);
   return std::nullopt;
 }
 
 std::optional<Failure> Refinement::fit_until_still() {
-  constexpr int kMaxPasses = 10;
+  constexpr int kMaxPasses = 16;
   constexpr int kCoarsePasses = 2;
-  constexpr double kStillPx = 0.002;
+  constexpr double kStillPx = 0.003;  // or a quarter of the shifts' standard deviation
   for (int pass = 0; pass < kMaxPasses; ++pass) {
     const bool coarse = pass < kCoarsePasses;
     const int columns = coarse ? std::min(24, options_.max_columns) : options_.max_columns;
     if (const auto failure = fit_once(columns)) return failure;
-    if (!coarse && last_shift_px_ < kStillPx) return judge();
+      fprintf(stderr, "pass %d shift %.4f noise %.2f blur %.2f bow %.3f px %d\n", pass,
+              last_shift_px_, appearances_[0].noise_grey, appearances_[0].blur_px,
+              appearances_[0].bow_px, steps_[0].pixels);
+    if (!coarse && last_shift_px_ < std::max(kStillPx, 0.25 * shift_sigma_px())) return judge();
   }
-  constexpr double kNearlyStillPx = 0.02;
+  constexpr double kNearlyStillPx = 0.1;
   return last_shift_px_ < kNearlyStillPx ? judge() : Failure::not_converged;
 }
 
+/// Smallest standard deviation of any side's shift.
+double Refinement::shift_sigma_px() const {
+  double variance = steps_[0].covariance(0, 0);
+  for (const SideStep& step : steps_) {
+    variance = std::min(variance, step.covariance.diagonal().minCoeff());
+  }
+  return std::sqrt(variance);
+}
+
 std::optional<Failure> Refinement::judge() const {
-  // Residuals of a clean edge are noise; half a side's weight lost, or residuals of a tenth of the
-  // contrast, mean that something else than this marker's edge is there.
+  // Half a side's weight lost, or residuals of a quarter of the contrast, mean that something else
+  // than this marker's edge is there.
   constexpr double kMaxOutlierShare = 0.5;
-  constexpr double kMaxRelativeResidual = 0.12;
+  constexpr double kMaxRelativeResidual = 0.25;
   for (std::size_t i = 0; i < 4; ++i) {
     const SideAppearance& appearance = appearances_[i];
     if (steps_[i].outlier_share > kMaxOutlierShare ||
-        appearance.noise_grey > std::max(8.0, kMaxRelativeResidual * appearance.contrast_grey())) {
+        appearance.noise_grey > kMaxRelativeResidual * appearance.contrast_grey()) {
       return Failure::covered;
     }
   }
@@ -277,7 +297,10 @@ RefinedCorners Refinement::result() const {
     Eigen::Matrix2d outward;
     outward << sides_[before]->outward().transpose(), sides_[i]->outward().transpose();
     const Eigen::Matrix2d x_from_shift = outward.inverse();
-    const Eigen::Vector2d variances(steps_[before].covariance(1, 1), steps_[i].covariance(0, 0));
+    // What the last pass still moved is error too.
+    const Eigen::Vector2d variances =
+        Eigen::Vector2d(steps_[before].covariance(1, 1), steps_[i].covariance(0, 0)).array() +
+        last_shift_px_ * last_shift_px_;
     refined.covariances[i] =
         x_from_shift * variances.asDiagonal() * x_from_shift.transpose() +
         options_.model_sigma_px * options_.model_sigma_px * Eigen::Matrix2d::Identity();

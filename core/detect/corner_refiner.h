@@ -14,11 +14,11 @@ namespace waymark {
 struct RefineOptions {
   /// Farthest that a side may lie from the rough one (px), in [1, 14]. Also limited to 1.2 cells,
   /// so that no edge of the code is taken for the border's.
-  double max_shift_px = 4;
+  double max_shift_px = 8;
   /// Least difference between paper and border (grey levels), in [1, 255].
   double min_contrast_grey = 10;
   /// Pixel columns used per side, in [8, 1000]: longer sides are sampled evenly.
-  int max_columns = 64;
+  int max_columns = 48;
   /// Error that the images' noise does not explain (paper, print, lens model), added to every
   /// corner's covariance (px per axis), in [0, 1].
   double model_sigma_px = 0.003;

@@ -3,7 +3,7 @@
 namespace waymark {
 
 std::optional<ImageSide> ImageSide::create(const MarkerPlane& plane, const Eigen::Vector2d& start,
-                                           const Eigen::Vector2d& end) {
+                                           const Eigen::Vector2d& end, double bow_px) {
   std::array<Eigen::Vector2d, 5> points;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const auto pixel =
@@ -28,8 +28,8 @@ std::optional<ImageSide> ImageSide::create(const MarkerPlane& plane, const Eigen
   const double slope01 = (y[1] - y[0]) / (x[1] - x[0]);
   const double slope12 = (y[2] - y[1]) / (x[2] - x[1]);
   const double curvature = (slope12 - slope01) / (x[2] - x[0]);
-  side.bend_ = {y[0] - x[0] * (slope01 - curvature * x[1]), slope01 - curvature * (x[0] + x[1]),
-                curvature};
+  side.bend_ = {4 * bow_px + y[0] - x[0] * (slope01 - curvature * x[1]),
+                slope01 - curvature * (x[0] + x[1]), curvature};
   return side;
 }
 

@@ -10,12 +10,14 @@
 
 namespace waymark {
 
-/// What a side of a marker looks like: the line's outward shift and the greys along it. Black and
-/// white run linearly from the side's start to its end; the edge between is a Gaussian step.
+/// What a side of a marker looks like. Black and white run linearly from the side's start to its
+/// end; the edge between is a Gaussian step.
 struct SideAppearance {
   Eigen::Vector2d black_grey;  ///< at start and end
   Eigen::Vector2d white_grey;
+  double paper_end = 0;   ///< share of the contrast lost one cell outside, where the paper may end
   double blur_px = 1.0;   ///< standard deviation of point spread and pixel together
+  double bow_px = 0;      ///< how far out its middle lies, beyond the camera model
   double noise_grey = 0;  ///< residual scale of the last fit, for the robust weights
 
   [[nodiscard]] double contrast_grey() const { return 0.5 * (white_grey.sum() - black_grey.sum()); }
@@ -48,14 +50,15 @@ struct SideScene {
 };
 
 /// Fits the raw pixels of the band around the side, none interpolated: grey = black + (white −
-/// black) · whiteness with whiteness the Gaussian-blurred steps of the outer edge and of the code's
-/// cells behind the border. The pixel's own square adds 1/12 px² to the blur's variance, in every
-/// direction. Robust weights (Geman–McClure, 4 σ) shut out what covers or stains the edge. nullopt
-/// with fewer than `kMinSidePixels` usable pixels.
+/// black) · whiteness with whiteness the Gaussian-blurred steps of the outer edge, of the code's
+/// cells behind the border, and of the paper's end where the quiet zone is one cell wide. The
+/// pixel's own square adds 1/12 px² to the blur's variance, in every direction. Robust weights
+/// (Geman–McClure, 4 σ) shut out what covers or stains the edge. nullopt with fewer than
+/// `kMinSidePixels` usable pixels.
 [[nodiscard]] std::optional<SideStep> fit_side(const GrayView& image, const SideScene& scene,
-                                               const SideAppearance& start, const SidePrior* prior,
+                                               const SideAppearance& start, const SidePrior& prior,
                                                int max_columns);
 
-inline constexpr int kMinSidePixels = 16;
+inline constexpr int kMinSidePixels = 12;
 
 }  // namespace waymark

@@ -12,8 +12,10 @@ namespace waymark {
 /// it.
 struct FoundSide {
   Eigen::Vector2d shift_px;  ///< outward, at the side's start and end
+  double bow_px = 0;         ///< farther outward in its middle
   double black_grey = 0;
   double white_grey = 0;
+  double blur_px = 1;  ///< rough standard deviation of the step
 };
 
 /// Looks up to `reach_px` inside and outside of `side` for the step from dark to light that most of
