@@ -248,9 +248,6 @@ std::optional<Failure> Refinement::fit_until_still() {
     const bool coarse = pass < kCoarsePasses;
     const int columns = coarse ? std::min(24, options_.max_columns) : options_.max_columns;
     if (const auto failure = fit_once(columns)) return failure;
-      fprintf(stderr, "pass %d shift %.4f noise %.2f blur %.2f bow %.3f px %d\n", pass,
-              last_shift_px_, appearances_[0].noise_grey, appearances_[0].blur_px,
-              appearances_[0].bow_px, steps_[0].pixels);
     if (!coarse && last_shift_px_ < std::max(kStillPx, 0.25 * shift_sigma_px())) return judge();
   }
   constexpr double kNearlyStillPx = 0.1;
