@@ -29,14 +29,14 @@ MarkerBits marker_bits(const MarkerId& id) {
       dictionary->bytesList.rowRange(id.number, id.number + 1), family.code_cells);
   MarkerBits bits;
   bits.cells = family.code_cells + 2;
-  bits.white.assign(static_cast<std::size_t>(bits.cells * bits.cells), 0);
+  bits.white.assign(bits.index(bits.cells, 0), 0);
   const int last = family.code_cells - 1;
   const bool upside_down = opencv_draws_upside_down(id.family);
   for (int row = 0; row <= last; ++row) {
     for (int column = 0; column <= last; ++column) {
       const auto cell = upside_down ? code.at<std::uint8_t>(last - row, last - column)
                                     : code.at<std::uint8_t>(row, column);
-      bits.white[static_cast<std::size_t>((row + 1) * bits.cells + column + 1)] = cell;
+      bits.white[bits.index(row + 1, column + 1)] = cell;
     }
   }
   return bits;

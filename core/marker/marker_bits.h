@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -15,9 +16,11 @@ struct MarkerBits {
   int cells = 0;  ///< along one side, with the border
   std::vector<std::uint8_t> white;
 
-  [[nodiscard]] bool is_white(int row, int column) const {
-    return white[static_cast<std::size_t>(row * cells + column)] != 0;
+  [[nodiscard]] std::size_t index(int row, int column) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(cells) +
+           static_cast<std::size_t>(column);
   }
+  [[nodiscard]] bool is_white(int row, int column) const { return white[index(row, column)] != 0; }
 };
 
 [[nodiscard]] MarkerBits marker_bits(const MarkerId& id);

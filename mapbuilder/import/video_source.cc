@@ -1,157 +1,27 @@
 #include "mapbuilder/import/video_source.h"
 
-#include <stdlib.h>
+#include <dlfcn.h>
 
-#include <cmath>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
-#include <system_error>
-#include <utility>
+#include "mapbuilder/import/opencv_video.h"
 
 namespace waymark {
 namespace {
 
-namespace fs = std::filesystem;
-
-/// FFmpeg's library writes what it meets to stderr, beside our one clear line; OpenCV lets it only
-/// by this variable, read once. A user who wants to see it sets the variable to a level above 0.
-void silence_ffmpeg() {
-  ::setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", /*overwrite=*/0);  // NOLINT(concurrency-mt-unsafe)
+/// Found beside the program by its run path. It stays loaded: frames come from its code.
+Expected<OpenVideosFunction*> load_decoder() {
+  void* const module = ::dlopen(kVideoModule, RTLD_NOW | RTLD_LOCAL);
+  void* const symbol = module != nullptr ? ::dlsym(module, kOpenVideosSymbol) : nullptr;
+  if (symbol == nullptr) {
+    return fail(ErrorKind::unavailable, "{}: can't load the video decoder: {}; install it anew",
+                kVideoModule, ::dlerror());  // NOLINT(concurrency-mt-unsafe)
+  }
+  return reinterpret_cast<OpenVideosFunction*>(symbol);  // NOLINT: dlsym knows no types
 }
-
-/// One video and the frame that comes next from it.
-class Video {
- public:
-  static Expected<Video> open(int camera, const fs::path& path, const CameraParameters& expected,
-                              int every) {
-    std::error_code ignored;
-    if (!fs::is_regular_file(path, ignored)) {
-      return fail(ErrorKind::no_input, "{}: no such video file", path.string());
-    }
-    Video video;
-    video.camera_ = camera;
-    video.path_ = path;
-    video.every_ = every;
-    silence_ffmpeg();
-    try {
-      // Only FFmpeg's reader gives the container's stamps.
-      video.capture_.open(path.string(), cv::CAP_FFMPEG);
-      if (!video.capture_.isOpened()) {
-        return fail(ErrorKind::bad_data, "{}: not a video that FFmpeg can decode", path.string());
-      }
-      // Turned frames would no longer fit the calibration.
-      video.capture_.set(cv::CAP_PROP_ORIENTATION_AUTO, 0);
-    } catch (const cv::Exception& error) {
-      return fail(ErrorKind::bad_data, "{}: can't open the video: {}", path.string(), error.err);
-    }
-    const int width = static_cast<int>(video.capture_.get(cv::CAP_PROP_FRAME_WIDTH));
-    const int height = static_cast<int>(video.capture_.get(cv::CAP_PROP_FRAME_HEIGHT));
-    if (width != expected.width_px || height != expected.height_px) {
-      return fail(ErrorKind::bad_data,
-                  "{}: the video is {}×{}, rig.yaml says {}×{}; frames are never scaled: calibrate "
-                  "at this size",
-                  path.string(), width, height, expected.width_px, expected.height_px);
-    }
-    if (auto status = video.advance(); !status) return tl::make_unexpected(status.error());
-    if (!video.next_) {
-      return fail(ErrorKind::bad_data, "{}: no frame can be decoded", path.string());
-    }
-    return video;
-  }
-
-  [[nodiscard]] const std::optional<VideoFrame>& peek() const { return next_; }
-
-  /// Takes the next frame and reads the one behind it.
-  Expected<VideoFrame> take() {
-    VideoFrame frame = std::move(*next_);
-    if (auto status = advance(); !status) return tl::make_unexpected(status.error());
-    return frame;
-  }
-
-  [[nodiscard]] std::size_t expected_frames() const {
-    const double frames = capture_.get(cv::CAP_PROP_FRAME_COUNT);
-    if (!(frames > 0 && frames < 1e9)) return 0;
-    return (static_cast<std::size_t>(frames) + static_cast<std::size_t>(every_) - 1) /
-           static_cast<std::size_t>(every_);
-  }
-
-  [[nodiscard]] std::optional<std::string> orientation_note() const {
-    const double degrees = capture_.get(cv::CAP_PROP_ORIENTATION_META);
-    if (degrees == 0) return std::nullopt;
-    return fmt::format("{}: asks for a rotation by {}°; ignored, pixels are used as stored",
-                       path_.string(), degrees);
-  }
-
-  /// Said once, at the end of a video that ends before it said it would.
-  [[nodiscard]] std::optional<std::string> truncation_note() const {
-    const double announced = capture_.get(cv::CAP_PROP_FRAME_COUNT);
-    // Containers count roughly; one lost in a hundred is rounding.
-    if (next_ || !(announced > 0) || static_cast<double>(grabbed_) >= 0.99 * announced) {
-      return std::nullopt;
-    }
-    return fmt::format("{}: ends after {} of {} frames; is the file cut off?", path_.string(),
-                       grabbed_, announced);
-  }
-
- private:
-  /// Decodes the next frame that counts into `next_`.
-  Status advance() {
-    next_.reset();
-    try {
-      while (capture_.grab()) {
-        const bool counts = grabbed_ % static_cast<std::size_t>(every_) == 0;
-        ++grabbed_;
-        if (!counts) continue;
-        const Stamp stamp(std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1e6));
-        if (last_stamp_ && stamp <= *last_stamp_) {
-          return fail(ErrorKind::bad_data,
-                      "{}: frame {}: the container's stamps don't rise ({} ns after {} ns); write "
-                      "the video anew",
-                      path_.string(), grabbed_ - 1, stamp.count(), last_stamp_->count());
-        }
-        cv::Mat picture;
-        if (!capture_.retrieve(picture) || picture.empty()) continue;
-        last_stamp_ = stamp;
-        next_ = VideoFrame{camera_, stamp, gray(picture)};
-        return {};
-      }
-    } catch (const cv::Exception& error) {
-      return fail(ErrorKind::bad_data, "{}: frame {}: can't decode: {}", path_.string(), grabbed_,
-                  error.err);
-    }
-    return {};
-  }
-
-  static GrayImage gray(const cv::Mat& picture) {
-    GrayImage image(picture.cols, picture.rows);
-    cv::Mat pixels(picture.rows, picture.cols, CV_8UC1, image.pixels.data());
-    if (picture.channels() == 1) {
-      picture.copyTo(pixels);
-    } else {
-      cv::cvtColor(picture, pixels, cv::COLOR_BGR2GRAY);
-    }
-    return image;
-  }
-
-  int camera_ = 0;
-  fs::path path_;
-  int every_ = 1;
-  cv::VideoCapture capture_;
-  std::size_t grabbed_ = 0;
-  std::optional<Stamp> last_stamp_;
-  std::optional<VideoFrame> next_;
-};
 
 }  // namespace
 
-struct VideoSource::State {
-  std::vector<Video> videos;
-  std::vector<std::string> notes;
-  bool ended = false;
-};
-
-Expected<VideoSource> VideoSource::open(const std::vector<fs::path>& videos, const Rig& rig,
-                                        const VideoOptions& options) {
+Expected<std::unique_ptr<VideoSource>> open_videos(const std::vector<std::filesystem::path>& videos,
+                                                   const Rig& rig, const VideoOptions& options) {
   if (options.every < 1) {
     return fail(ErrorKind::usage, "--every {}: must be 1 or more", options.every);
   }
@@ -166,48 +36,11 @@ Expected<VideoSource> VideoSource::open(const std::vector<fs::path>& videos, con
                 "can't be one capture",
                 videos.size());
   }
-  auto state = std::make_unique<State>();
-  for (std::size_t camera = 0; camera < videos.size(); ++camera) {
-    auto video = Video::open(static_cast<int>(camera), videos[camera],
-                             rig.cameras[camera].model.parameters(), options.every);
-    if (!video) return tl::make_unexpected(video.error());
-    if (auto note = video->orientation_note()) state->notes.push_back(std::move(*note));
-    state->videos.push_back(std::move(*video));
-  }
-  return VideoSource(std::move(state));
+  const auto open = load_decoder();
+  if (!open) return tl::make_unexpected(open.error());
+  Expected<std::unique_ptr<VideoSource>> source;
+  (*open)(videos, rig, options.every, source);
+  return source;
 }
-
-VideoSource::VideoSource(std::unique_ptr<State> state) : state_(std::move(state)) {}
-VideoSource::VideoSource(VideoSource&&) noexcept = default;
-VideoSource& VideoSource::operator=(VideoSource&&) noexcept = default;
-VideoSource::~VideoSource() = default;
-
-Expected<std::optional<VideoFrame>> VideoSource::next() {
-  Video* earliest = nullptr;
-  for (Video& video : state_->videos) {
-    const bool earlier =
-        video.peek() && (earliest == nullptr || video.peek()->stamp < earliest->peek()->stamp);
-    if (earlier) earliest = &video;
-  }
-  if (earliest != nullptr) {
-    auto frame = earliest->take();
-    if (!frame) return tl::make_unexpected(frame.error());
-    return std::optional<VideoFrame>(std::move(*frame));
-  }
-  if (!std::exchange(state_->ended, true)) {
-    for (const Video& video : state_->videos) {
-      if (auto note = video.truncation_note()) state_->notes.push_back(std::move(*note));
-    }
-  }
-  return std::optional<VideoFrame>();
-}
-
-std::size_t VideoSource::expected_frames() const {
-  std::size_t frames = 0;
-  for (const Video& video : state_->videos) frames += video.expected_frames();
-  return frames;
-}
-
-const std::vector<std::string>& VideoSource::notes() const { return state_->notes; }
 
 }  // namespace waymark

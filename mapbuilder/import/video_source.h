@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -26,34 +27,30 @@ struct VideoFrame {
   GrayImage image;  ///< Rec. 601 luma; a rotation that the container asks for is ignored
 };
 
-/// Frames of one video per camera, one at a time, by rising (stamp, camera); a frame is held per
-/// video, no more. Not for use from several threads.
+/// Frames of one video per camera, one at a time, by rising (stamp, camera); one frame per video
+/// is held, no more. Not for use from several threads.
 class VideoSource {
  public:
-  /// `videos` in the order of the rig's cameras. Errors: usage (several videos without
-  /// `synchronized`; not as many as the rig has cameras; `every` below 1), no_input (absent),
-  /// bad_data (not a video that can be decoded; frames of another size than rig.yaml states).
-  [[nodiscard]] static Expected<VideoSource> open(const std::vector<std::filesystem::path>& videos,
-                                                  const Rig& rig, const VideoOptions& options);
-
-  VideoSource(VideoSource&&) noexcept;
-  VideoSource& operator=(VideoSource&&) noexcept;
-  ~VideoSource();
+  virtual ~VideoSource() = default;
 
   /// The next frame; nullopt at the end. bad_data when a video's stamps don't rise.
-  [[nodiscard]] Expected<std::optional<VideoFrame>> next();
+  [[nodiscard]] virtual Expected<std::optional<VideoFrame>> next() = 0;
 
   /// How many frames next() will yield as the containers announce it; 0 = unknown.
-  [[nodiscard]] std::size_t expected_frames() const;
+  [[nodiscard]] virtual std::size_t expected_frames() const = 0;
 
   /// What the user should know, one line each; complete after the last frame.
-  [[nodiscard]] const std::vector<std::string>& notes() const;
-
- private:
-  struct State;
-  explicit VideoSource(std::unique_ptr<State> state);
-
-  std::unique_ptr<State> state_;
+  [[nodiscard]] virtual const std::vector<std::string>& notes() const = 0;
 };
+
+/// Opens `videos`, in the order of the rig's cameras. Errors: usage (several videos without
+/// `synchronized`; not as many as the rig has cameras; `every` below 1), no_input (absent),
+/// bad_data (not a video that can be decoded; frames of another size than rig.yaml states),
+/// unavailable (the module that decodes videos can't be loaded).
+///
+/// The decoder is a module of its own that is loaded here and not before: its libraries cost
+/// 70 MB and 0.1–0.3 s, which only runs on videos should pay.
+[[nodiscard]] Expected<std::unique_ptr<VideoSource>> open_videos(
+    const std::vector<std::filesystem::path>& videos, const Rig& rig, const VideoOptions& options);
 
 }  // namespace waymark

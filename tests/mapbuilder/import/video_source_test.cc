@@ -49,7 +49,7 @@ class VideoInput : public testing::Test {
     }
   }
 
-  static void expect_failure(const Expected<VideoSource>& source, ErrorKind kind,
+  static void expect_failure(const Expected<std::unique_ptr<VideoSource>>& source, ErrorKind kind,
                              const char* message) {
     ASSERT_FALSE(source) << "expected: " << message;
     EXPECT_EQ(source.error().kind, kind) << source.error().message;
@@ -61,10 +61,10 @@ class VideoInput : public testing::Test {
 };
 
 TEST_F(VideoInput, YieldsFramesWithTheContainersStamps) {
-  auto source = VideoSource::open({make_video("a.avi", 8, 25)}, rig(1), {});
+  auto source = open_videos({make_video("a.avi", 8, 25)}, rig(1), {});
   ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ(source->expected_frames(), 8U);
-  const auto frames = frames_of(*source);
+  EXPECT_EQ((*source)->expected_frames(), 8U);
+  const auto frames = frames_of(**source);
   ASSERT_EQ(frames.size(), 8U);
   for (int i = 0; i < 8; ++i) {
     const VideoFrame& frame = frames[static_cast<std::size_t>(i)];
@@ -74,26 +74,26 @@ TEST_F(VideoInput, YieldsFramesWithTheContainersStamps) {
     EXPECT_EQ(frame.image.height_px, 48);
     EXPECT_NEAR(frame.image.row(20)[30], gray_level(i), 4);
   }
-  EXPECT_THAT(source->notes(), IsEmpty());
-  EXPECT_FALSE(*source->next()) << "stays at the end";
+  EXPECT_THAT((*source)->notes(), IsEmpty());
+  EXPECT_FALSE(*(*source)->next()) << "stays at the end";
 }
 
 TEST_F(VideoInput, TakesOneOfEveryFew) {
-  auto source = VideoSource::open({make_video("a.avi", 8, 25)}, rig(1), {.every = 3});
+  auto source = open_videos({make_video("a.avi", 8, 25)}, rig(1), {.every = 3});
   ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ(source->expected_frames(), 3U);
-  const auto frames = frames_of(*source);
+  EXPECT_EQ((*source)->expected_frames(), 3U);
+  const auto frames = frames_of(**source);
   ASSERT_EQ(frames.size(), 3U);
   EXPECT_EQ(frames[1].stamp, milliseconds(120));
   EXPECT_NEAR(frames[2].image.row(0)[0], gray_level(6), 4);
 }
 
 TEST_F(VideoInput, SynchronizedVideosMeetByStampThenCamera) {
-  auto source = VideoSource::open({make_video("a.avi", 3, 25), make_video("b.avi", 5, 50)}, rig(2),
-                                  {.synchronized = true});
+  auto source = open_videos({make_video("a.avi", 3, 25), make_video("b.avi", 5, 50)}, rig(2),
+                            {.synchronized = true});
   ASSERT_TRUE(source) << source.error().message;
   std::vector<std::pair<int, int>> order;  // ms, camera
-  for (const VideoFrame& frame : frames_of(*source)) {
+  for (const VideoFrame& frame : frames_of(**source)) {
     order.emplace_back(static_cast<int>(frame.stamp / milliseconds(1)), frame.camera);
   }
   EXPECT_THAT(order,
@@ -103,22 +103,22 @@ TEST_F(VideoInput, SynchronizedVideosMeetByStampThenCamera) {
 
 TEST_F(VideoInput, UsageIsChecked) {
   const fs::path a = make_video("a.avi", 2, 25);
-  expect_failure(VideoSource::open({a}, rig(1), {.every = 0}), ErrorKind::usage, "--every 0");
-  expect_failure(VideoSource::open({a}, rig(2), {.synchronized = true}), ErrorKind::usage,
+  expect_failure(open_videos({a}, rig(1), {.every = 0}), ErrorKind::usage, "--every 0");
+  expect_failure(open_videos({a}, rig(2), {.synchronized = true}), ErrorKind::usage,
                  "1 videos, but the rig has 2 cameras");
-  expect_failure(VideoSource::open({}, rig(1), {}), ErrorKind::usage, "0 videos");
-  expect_failure(VideoSource::open({a, a}, rig(2), {}), ErrorKind::usage, "give --sync");
+  expect_failure(open_videos({}, rig(1), {}), ErrorKind::usage, "0 videos");
+  expect_failure(open_videos({a, a}, rig(2), {}), ErrorKind::usage, "give --sync");
 }
 
 TEST_F(VideoInput, WhatIsNoVideoIsRefused) {
-  expect_failure(VideoSource::open({folder_.path() / "absent.avi"}, rig(1), {}),
-                 ErrorKind::no_input, "absent.avi: no such video file");
-  expect_failure(VideoSource::open({folder_.path()}, rig(1), {}), ErrorKind::no_input,
+  expect_failure(open_videos({folder_.path() / "absent.avi"}, rig(1), {}), ErrorKind::no_input,
+                 "absent.avi: no such video file");
+  expect_failure(open_videos({folder_.path()}, rig(1), {}), ErrorKind::no_input,
                  "no such video file");
   for (const char* content : {"", "hello\n"}) {
     testing::internal::CaptureStderr();
-    expect_failure(VideoSource::open({folder_.write("no.avi", content)}, rig(1), {}),
-                   ErrorKind::bad_data, "no.avi: ");
+    expect_failure(open_videos({folder_.write("no.avi", content)}, rig(1), {}), ErrorKind::bad_data,
+                   "no.avi: ");
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "the library may not print";
   }
 }
@@ -128,7 +128,7 @@ TEST_F(VideoInput, FramesOfAnotherSizeAreRefused) {
   CameraParameters parameters = other.cameras[0].model.parameters();
   parameters.width_px = 65;
   other.cameras[0].model = *CameraModel::create(parameters);
-  expect_failure(VideoSource::open({make_video("a.avi", 2, 25)}, other, {}), ErrorKind::bad_data,
+  expect_failure(open_videos({make_video("a.avi", 2, 25)}, other, {}), ErrorKind::bad_data,
                  "the video is 64×48, rig.yaml says 65×48");
 }
 
@@ -136,13 +136,13 @@ TEST_F(VideoInput, TruncatedVideoYieldsWhatIsThereAndSaysSo) {
   const fs::path whole = make_video("a.avi", 8, 25);
   fs::resize_file(whole, fs::file_size(whole) / 2);
   testing::internal::CaptureStderr();
-  auto source = VideoSource::open({whole}, rig(1), {});
+  auto source = open_videos({whole}, rig(1), {});
   ASSERT_TRUE(source) << source.error().message;
-  const auto frames = frames_of(*source);
+  const auto frames = frames_of(**source);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "the library may not print";
   EXPECT_GE(frames.size(), 1U);
   EXPECT_LT(frames.size(), 8U);
-  EXPECT_THAT(source->notes(), ElementsAre(HasSubstr("is the file cut off?")));
+  EXPECT_THAT((*source)->notes(), ElementsAre(HasSubstr("is the file cut off?")));
 }
 
 }  // namespace
