@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
-/// Thickness of the plate a marker is printed on.
+/// Thickness of the plate a marker is printed on, and of the glue.
 constexpr double kPlateThickness_m = 0.004;
 
 /// A plate is the marker and its white margin, one cell of at most a sixth of the side all round.
@@ -65,14 +65,18 @@ void add_places(const Surface& surface, int index, const MarkerGrid& grid, Rando
   }
 }
 
-Rigid3 world_from_marker(const Surface& surface, const Place& place) {
+Rigid3 world_from_marker(const Surface& surface, const Place& place, double size_m) {
   Eigen::Matrix3d axes;
   axes << surface.right, surface.up, surface.normal();
   const Eigen::Quaterniond turned = Eigen::AngleAxisd(place.tilt_x_rad, Eigen::Vector3d::UnitX()) *
                                     Eigen::AngleAxisd(place.tilt_y_rad, Eigen::Vector3d::UnitY()) *
                                     Eigen::AngleAxisd(place.roll_rad, Eigen::Vector3d::UnitZ());
+  // A tilted plate touches the wall with its lowest corner.
+  const double lift_m = kPlateThickness_m + 0.5 * kPlatePerSide * size_m *
+                                                (std::abs(std::sin(place.tilt_x_rad)) +
+                                                 std::abs(std::sin(place.tilt_y_rad)));
   return {(Eigen::Quaterniond(axes) * turned).normalized(),
-          surface.point(place.across_m, place.above_m) + kPlateThickness_m * surface.normal()};
+          surface.point(place.across_m, place.above_m) + lift_m * surface.normal()};
 }
 
 bool fits(const Surface& surface, const Place& place, double size_m) {
@@ -201,7 +205,7 @@ Status place_markers(Scene& scene, const std::vector<MarkerGrid>& grids,
     }
     size_m.push_back(*size);
     scene.markers.push_back(
-        {ids[i], *size, world_from_marker(surface, places[i]), places[i].surface});
+        {ids[i], *size, world_from_marker(surface, places[i], *size), places[i].surface});
   }
   if (const auto pair = overlapping(places, size_m)) {
     return fail(ErrorKind::bad_data, "scene {}: markers {} and {} overlap on {}", scene.name,
