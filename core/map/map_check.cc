@@ -105,7 +105,7 @@ Status check_map(const MarkerMap& map) {
   if (map.submaps.empty()) return fail(ErrorKind::bad_data, "no markers");
   std::set<MarkerId> seen;
   for (std::size_t i = 0; i < map.submaps.size(); ++i) {
-    if (const auto status = check_submap(map.submaps[i], i, seen); !status) return status;
+    if (auto status = check_submap(map.submaps[i], i, seen); !status) return status;
     if (i > 0 && map.submaps[i].markers.size() > map.submaps[i - 1].markers.size()) {
       return fail(ErrorKind::bad_data, "sub-map {}: has more markers than the one before", i);
     }

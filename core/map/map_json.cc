@@ -126,7 +126,7 @@ class Place {
     }
     for (std::size_t i = 0; i < into.size(); ++i) {
       const Place element((*value_)[i], fmt::format("{}[{}]", path_, i));
-      if (const auto status = element.read(into[i]); !status) return status;
+      if (auto status = element.read(into[i]); !status) return status;
     }
     return {};
   }

@@ -97,7 +97,7 @@ Status run_evaluate(const EvaluateOptions& options, std::ostream& out) {
     if (!cameras) return tl::make_unexpected(cameras.error());
     submap.cameras = *std::move(cameras);
   }
-  if (const auto status = check_overlap(options, submaps); !status) return status;
+  if (auto status = check_overlap(options, submaps); !status) return status;
   out << (options.json ? format_evaluation_json(submaps, map->several_families())
                        : format_evaluation_text(submaps, map->several_families()));
   return {};

@@ -34,8 +34,7 @@ Status run_export(const ExportOptions& options, std::ostream& notes) {
   if (!format) return write_file_atomically(options.output, format_map_json(*map));
   for (std::size_t i = 0; i < map->submaps.size(); ++i) {
     const std::filesystem::path path = path_of_submap(options.output, i);
-    const auto status =
-        write_file_atomically(path, format(map->submaps[i], map->several_families()));
+    auto status = write_file_atomically(path, format(map->submaps[i], map->several_families()));
     if (!status) return status;
     if (i > 0) notes << fmt::format("sub-map {} is in {}\n", i, path.string());
   }

@@ -11,7 +11,7 @@ Status run_import(const ImportOptions& options, std::ostream& out) {
   if (!text) return tl::make_unexpected(text.error());
   const auto map = parse_map_json(*text, options.json.string());
   if (!map) return tl::make_unexpected(map.error());
-  if (const auto status = write_map_file(options.output, *map); !status) return status;
+  if (auto status = write_map_file(options.output, *map); !status) return status;
   std::size_t markers = 0;
   for (const SubMap& submap : map->submaps) markers += submap.markers.size();
   out << fmt::format("{}: {} markers, content hash {}\n", options.output.string(), markers,
