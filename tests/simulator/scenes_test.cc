@@ -65,7 +65,9 @@ TEST_P(EveryScene, IsOneDetectionGraphForEveryRig) {
         graph.observations, graph.markers_seen_once, graph.unseen_markers, graph.components);
     EXPECT_EQ(graph.components, 1) << name;
     // cg180 has no row in the paper's tables and may miss a few.
-    if (name != std::string("cg180")) EXPECT_EQ(graph.unseen_markers, 0) << name;
+    if (name != std::string("cg180")) {
+      EXPECT_EQ(graph.unseen_markers, 0) << name;
+    }
   }
 }
 
