@@ -66,6 +66,19 @@ void add_threads_option(CLI::App& app, int& threads) {
       ->check(CLI::Range(0, 1024));
 }
 
+/// A capture, or videos in its place; shared by build and localize.
+void add_input_options(CLI::App& app, CaptureInput& input) {
+  app.add_flag("--redetect", input.detect.redetect, "detect even where detections.csv exists");
+  app.add_option("--rig", input.rig_yaml, "for videos: Kalibr camchain");
+  app.add_option("--markers", input.markers_toml, "for videos: families and sizes (markers.toml)");
+  app.add_option("--every", input.video.every, "for videos: take one of so many frames")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_flag("--sync", input.video.synchronized,
+               "for several videos, one per camera: their stamps count from one instant");
+  add_threads_option(app, input.detect.threads);
+}
+
 Command add_detect(CLI::App& app, Progress& progress) {
   auto* sub = app.add_subcommand("detect", "find the markers in a capture's images");
   auto options = std::make_shared<DetectOptions>();
@@ -78,13 +91,13 @@ Command add_detect(CLI::App& app, Progress& progress) {
 Command add_build(CLI::App& app, Progress& progress) {
   auto* sub = app.add_subcommand("build", "build a marker map from captures");
   auto options = std::make_shared<BuildCommandOptions>();
-  sub->add_option("CAPTURE", options->captures, "capture folders")->required();
+  sub->add_option("CAPTURE", options->input.paths, "capture folders, or videos with --rig")
+      ->required();
   sub->add_option("-o,--output", options->output, "map file")->required();
   sub->add_option("--trajectory", options->trajectory, "write the rig's poses (TUM)");
   sub->add_flag("--mono", options->mono, "every image a frame of its own");
   sub->add_flag("--strict", options->strict, "several sub-maps are an error");
-  sub->add_flag("--redetect", options->redetect, "detect even where detections.csv exists");
-  add_threads_option(*sub, options->threads);
+  add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);
   return [options, &progress] { return run_build(*options, progress, std::cout, std::cerr); };
 }
@@ -92,12 +105,12 @@ Command add_build(CLI::App& app, Progress& progress) {
 Command add_localize(CLI::App& app, Progress& progress) {
   auto* sub = app.add_subcommand("localize", "localize a capture against a finished map");
   auto options = std::make_shared<LocalizeOptions>();
-  sub->add_option("CAPTURE", options->capture, "capture folder")->required();
+  sub->add_option("CAPTURE", options->input.paths, "capture folder, or videos with --rig")
+      ->required();
   sub->add_option("--map", options->map, "map file")->required();
   sub->add_option("--trajectory", options->trajectory, "poses to write (TUM)")->required();
   sub->add_flag("--mono", options->mono, "every image a frame of its own");
-  sub->add_flag("--redetect", options->redetect, "detect even where detections.csv exists");
-  add_threads_option(*sub, options->threads);
+  add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);
   return [options, &progress] { return run_localize(*options, progress, std::cout, std::cerr); };
 }

@@ -5,7 +5,6 @@
 #include <chrono>
 
 #include "core/map/map_file.h"
-#include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/mapping/trajectory_file.h"
 
 namespace waymark {
@@ -87,14 +86,14 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   if (options.trajectory) {
     if (auto writable = check_writable(*options.trajectory); !writable) return writable;
   }
-  auto captures =
-      take_captures_in(options.captures, {options.redetect, options.threads}, progress, notes);
+  auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
-  auto table = make_observation_table(std::move(*captures), {options.mono, options.threads});
+  auto table =
+      make_observation_table(std::move(*captures), {options.mono, options.input.detect.threads});
   if (!table) return tl::make_unexpected(table.error());
 
   BuildOptions build = options.build;
-  build.threads = options.threads;
+  build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
   const BuildResult result = build_map(*table, build, progress);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
@@ -102,7 +101,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     return fail(ErrorKind::bad_data,
                 "{}: no marker could be mapped: {} frame sets hold {} usable observations; check "
                 "the family and the ids in markers.toml",
-                options.captures.front().string(), table->frame_sets.size(),
+                options.input.paths.front().string(), table->frame_sets.size(),
                 table->observations.size());
   }
   print_warnings(result, *table, notes);

@@ -7,21 +7,20 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/mapping/map_builder.h"
 
 namespace waymark {
 
 /// `mapbuilder build CAPTURE... -o MAP [--trajectory RIG.tum] [--mono] [--threads N] [--strict]
-/// [--redetect]
-/// [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`
+/// [--redetect] [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`, or with
+/// `VIDEO... --rig FILE --markers FILE [--every N] [--sync]` in the captures' place
 struct BuildCommandOptions {
-  std::vector<std::filesystem::path> captures;
+  CaptureInput input;
   std::filesystem::path output;
   std::optional<std::filesystem::path> trajectory;
   bool mono = false;
   bool strict = false;  ///< several sub-maps are an error and nothing is written
-  bool redetect = false;
-  int threads = 0;
   BuildOptions build;
 };
 

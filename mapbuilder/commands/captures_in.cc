@@ -3,6 +3,10 @@
 #include <fmt/ostream.h>
 #include <unistd.h>
 
+#include <algorithm>
+
+#include "mapbuilder/import/open_capture.h"
+
 namespace waymark {
 namespace {
 
@@ -17,23 +21,57 @@ void print_notes(const std::vector<std::string>& lines, std::ostream& notes) {
   }
 }
 
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path, ignored);
+}
+
+void print_report(const std::string& name, const DetectionReport& report, std::ostream& notes) {
+  print_notes(report.warnings, notes);
+  fmt::print(notes, "{}: {} images{}, {} markers found{}\n", name, report.images,
+             report.unreadable > 0 ? fmt::format(" ({} skipped)", report.unreadable) : "",
+             report.detections, report.from_csv ? " (from detections.csv)" : "");
+}
+
+Expected<std::vector<DetectedCapture>> take_videos_in(const CaptureInput& input, Progress& progress,
+                                                      std::ostream& notes) {
+  if (!input.rig_yaml || !input.markers_toml) {
+    return fail(ErrorKind::usage,
+                "{}: a video needs both --rig and --markers; a capture is a folder",
+                std::find_if(input.paths.begin(), input.paths.end() - 1, is_file)->string());
+  }
+  DetectionReport report;
+  auto detected = detect_videos({input.paths, *input.rig_yaml, *input.markers_toml, input.video},
+                                input.detect.threads, progress, report);
+  if (!detected) return tl::make_unexpected(detected.error());
+  print_report(detected->name, report, notes);
+  std::vector<DetectedCapture> captures;
+  captures.push_back(std::move(*detected));
+  return captures;
+}
+
 }  // namespace
 
-Expected<std::vector<DetectedCapture>> take_captures_in(
-    const std::vector<std::filesystem::path>& paths, const DetectCaptureOptions& options,
-    Progress& progress, std::ostream& notes) {
-  std::vector<DetectedCapture> captures;
-  for (const auto& path : paths) {
-    const auto folder = open_capture_folder(path);
+Expected<std::vector<DetectedCapture>> take_captures_in(const CaptureInput& input,
+                                                        Progress& progress, std::ostream& notes) {
+  if (input.rig_yaml || input.markers_toml ||
+      std::any_of(input.paths.begin(), input.paths.end(), is_file)) {
+    return take_videos_in(input, progress, notes);
+  }
+  // All are opened before the first is searched: what is wrong shows before the long work.
+  std::vector<CaptureFolder> folders;
+  for (const auto& path : input.paths) {
+    auto folder = open_capture(path);
     if (!folder) return tl::make_unexpected(folder.error());
     print_notes(folder->notes, notes);
+    folders.push_back(std::move(*folder));
+  }
+  std::vector<DetectedCapture> captures;
+  for (const CaptureFolder& folder : folders) {
     DetectionReport report;
-    auto detected = detect_capture(*folder, options, progress, report);
+    auto detected = detect_capture(folder, input.detect, progress, report);
     if (!detected) return tl::make_unexpected(detected.error());
-    print_notes(report.warnings, notes);
-    fmt::print(notes, "{}: {} images{}, {} markers found{}\n", path.string(), report.images,
-               report.unreadable > 0 ? fmt::format(" ({} skipped)", report.unreadable) : "",
-               report.detections, report.from_csv ? " (from detections.csv)" : "");
+    print_report(folder.path.string(), report, notes);
     captures.push_back(std::move(*detected));
   }
   return captures;

@@ -1,20 +1,32 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <ostream>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "mapbuilder/mapping/detect_capture.h"
+#include "mapbuilder/mapping/detect_videos.h"
 
 namespace waymark {
 
-/// Opens captures and makes or reads their detections; what the user should know goes to `notes`, a
-/// line each, at most 20 of a kind. Errors of open_capture and detect_capture.
-[[nodiscard]] Expected<std::vector<DetectedCapture>> take_captures_in(
-    const std::vector<std::filesystem::path>& paths, const DetectCaptureOptions& options,
-    Progress& progress, std::ostream& notes);
+/// What the command line names as input: captures, or, with --rig and --markers, the videos of one.
+struct CaptureInput {
+  std::vector<std::filesystem::path> paths;
+  std::optional<std::filesystem::path> rig_yaml;      ///< with it the paths are videos
+  std::optional<std::filesystem::path> markers_toml;  ///< likewise
+  VideoOptions video;
+  DetectCaptureOptions detect;
+};
+
+/// Opens captures or videos and makes or reads their detections; what the user should know goes to
+/// `notes`, a line each, at most 20 of a kind. Errors of open_capture, detect_capture and
+/// detect_videos; usage for a video without --rig and --markers.
+[[nodiscard]] Expected<std::vector<DetectedCapture>> take_captures_in(const CaptureInput& input,
+                                                                      Progress& progress,
+                                                                      std::ostream& notes);
 
 /// Fails early, before long work, when `path` can't be written: its folder is absent or not
 /// writable, or it is a folder.

@@ -17,7 +17,7 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   DetectCaptureOptions detect;
   detect.redetect = true;
   detect.threads = options.threads;
-  const auto captures = take_captures_in({options.capture}, detect, progress, notes);
+  const auto captures = take_captures_in({{options.capture}, {}, {}, {}, detect}, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
   const DetectedCapture& capture = captures->front();
   const std::string text =

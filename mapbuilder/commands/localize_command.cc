@@ -3,7 +3,6 @@
 #include <fmt/ostream.h>
 
 #include "core/map/map_file.h"
-#include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/mapping/relocalization.h"
 #include "mapbuilder/mapping/trajectory_file.h"
 
@@ -14,21 +13,22 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
   if (auto writable = check_writable(options.trajectory); !writable) return writable;
   const auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
-  auto captures =
-      take_captures_in({options.capture}, {options.redetect, options.threads}, progress, notes);
+  auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
-  auto table = make_observation_table(std::move(*captures), {options.mono, options.threads});
+  auto table =
+      make_observation_table(std::move(*captures), {options.mono, options.input.detect.threads});
   if (!table) return tl::make_unexpected(table.error());
 
   BuildOptions build = options.build;
-  build.threads = options.threads;
+  build.threads = options.input.detect.threads;
   const auto results = relocalize(*table, *map, build, progress);
   std::size_t observations = 0;
   for (const RelocalizedSubMap& result : results) observations += result.observations;
   if (observations == 0) {
     return fail(ErrorKind::bad_data,
                 "{}: none of its {} observations is of a marker in {}; is it the right map?",
-                options.capture.string(), table->observations.size(), options.map.string());
+                options.input.paths.front().string(), table->observations.size(),
+                options.map.string());
   }
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RelocalizedSubMap& result = results[i];

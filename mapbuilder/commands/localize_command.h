@@ -5,18 +5,17 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/mapping/map_builder.h"
 
 namespace waymark {
 
-/// `mapbuilder localize CAPTURE --map MAP --trajectory OUT.tum`
+/// `mapbuilder localize CAPTURE --map MAP --trajectory OUT.tum`, or with videos as build takes them
 struct LocalizeOptions {
-  std::filesystem::path capture;
+  CaptureInput input;
   std::filesystem::path map;
   std::filesystem::path trajectory;
   bool mono = false;
-  bool redetect = false;
-  int threads = 0;
   BuildOptions build;
 };
 

@@ -100,18 +100,18 @@ class Video {
     try {
       while (capture_.grab()) {
         const bool counts = grabbed_ % static_cast<std::size_t>(every_) == 0;
-        ++grabbed_;
-        if (!counts) continue;
-        const Stamp stamp(std::llround(capture_.get(cv::CAP_PROP_POS_MSEC) * 1e6));
+        const Stamp stamp = stamp_of_grabbed();
         if (last_stamp_ && stamp <= *last_stamp_) {
           return fail(ErrorKind::bad_data,
                       "{}: frame {}: the container's stamps don't rise ({} ns after {} ns); write "
                       "the video anew",
-                      path_.string(), grabbed_ - 1, stamp.count(), last_stamp_->count());
+                      path_.string(), grabbed_, stamp.count(), last_stamp_->count());
         }
+        last_stamp_ = stamp;
+        ++grabbed_;
+        if (!counts) continue;
         cv::Mat picture;
         if (!capture_.retrieve(picture) || picture.empty()) continue;
-        last_stamp_ = stamp;
         next_ = VideoFrame{camera_, stamp, gray(picture)};
         return {};
       }
@@ -120,6 +120,16 @@ class Video {
                   error.err);
     }
     return {};
+  }
+
+  /// The container's stamp. OpenCV loses it (and says 0) for the last frames of a video whose codec
+  /// delays them, and for containers without stamps: then the frame rate counts on.
+  [[nodiscard]] Stamp stamp_of_grabbed() const {
+    const double container_ms = capture_.get(cv::CAP_PROP_POS_MSEC);
+    if (container_ms > 0 || !last_stamp_) return Stamp(std::llround(container_ms * 1e6));
+    const double rate_hz = capture_.get(cv::CAP_PROP_FPS);
+    // Without a rate the stamp does not rise, which the caller reports.
+    return *last_stamp_ + (rate_hz > 0 ? Stamp(std::llround(1e9 / rate_hz)) : Stamp::zero());
   }
 
   static GrayImage gray(const cv::Mat& picture) {
@@ -138,7 +148,7 @@ class Video {
   int every_ = 1;
   cv::VideoCapture capture_;
   std::size_t grabbed_ = 0;
-  std::optional<Stamp> last_stamp_;
+  std::optional<Stamp> last_stamp_;  ///< of the last frame grabbed
   std::optional<VideoFrame> next_;
 };
 

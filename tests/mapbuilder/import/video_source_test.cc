@@ -78,6 +78,26 @@ TEST_F(VideoInput, YieldsFramesWithTheContainersStamps) {
   EXPECT_FALSE(*(*source)->next()) << "stays at the end";
 }
 
+TEST_F(VideoInput, FramesThatTheCodecDelaysKeepTheirStamps) {
+  const fs::path path = folder_.path() / "a.mp4";
+  {
+    cv::VideoWriter writer(path.string(), cv::CAP_FFMPEG,
+                           cv::VideoWriter::fourcc('a', 'v', 'c', '1'), 25, cv::Size(64, 48));
+    ASSERT_TRUE(writer.isOpened());
+    for (int i = 0; i < 12; ++i) {
+      writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(gray_level(i))));
+    }
+  }
+  auto source = open_videos({path}, rig(1), {});
+  ASSERT_TRUE(source) << source.error().message;
+  const auto frames = frames_of(**source);
+  ASSERT_EQ(frames.size(), 12U);
+  for (int i = 0; i < 12; ++i) {
+    EXPECT_EQ(frames[static_cast<std::size_t>(i)].stamp, milliseconds(40 * i));
+    EXPECT_NEAR(frames[static_cast<std::size_t>(i)].image.row(20)[30], gray_level(i), 8);
+  }
+}
+
 TEST_F(VideoInput, TakesOneOfEveryFew) {
   auto source = open_videos({make_video("a.avi", 8, 25)}, rig(1), {.every = 3});
   ASSERT_TRUE(source) << source.error().message;
