@@ -17,6 +17,10 @@ class MarkerPrint {
   /// Cells along the plate's side, margins included.
   [[nodiscard]] int side_cells() const { return side_; }
 
+  /// Albedo of a cell by its place in the plate with one ring of cells around it, row by row,
+  /// (side_cells() + 2)² of them; negative beyond the plate.
+  [[nodiscard]] float albedo_of_cell(std::size_t place) const { return albedo_[place]; }
+
   /// A pixel's (or sub-pixel's) footprint on the plate: its four corners in order.
   struct Footprint {
     std::array<float, 4> x, y;

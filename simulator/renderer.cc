@@ -13,9 +13,6 @@ namespace {
 
 constexpr int kTile_px = 64;
 
-/// Room around the image for the point spread and for the grid on which light is computed.
-constexpr int kLightMargin_px = 16;
-
 double blur_sigma_px(const RenderSettings& settings) {
   return std::hypot(settings.psf_sigma_px, settings.defocus_sigma_px);
 }
@@ -53,7 +50,7 @@ Renderer::Renderer(const Scene& scene, const Rig& rig, const RenderSettings& set
       plain_(blur_sigma_px(settings), 1),
       fine_(blur_sigma_px(settings), settings.oversampling),
       sensor_(settings) {
-  const int padding_px = PointSpread::radius_px(blur_sigma_px(settings)) + kLightMargin_px;
+  const int padding_px = PointSpread::radius_px(blur_sigma_px(settings)) + SurfacePatch::kReach_px;
   std::vector<std::optional<RayTable>> tables(rig.cameras.size());
   parallel_for(rig.cameras.size(), threads,
                [&](std::size_t i) { tables[i].emplace(rig.cameras[i].model, padding_px); });

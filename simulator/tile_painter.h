@@ -4,21 +4,17 @@
 #include <vector>
 
 #include "simulator/camera_view.h"
+#include "simulator/plate_painter.h"
 #include "simulator/renderer.h"
+#include "simulator/surface_patch.h"
+#include "simulator/tile_rays.h"
 
 namespace waymark::simulator {
-
-/// A rectangle of the image that is rendered at once (px).
-struct Tile {
-  int x0, y0;
-  int width, height;
-};
 
 /// Paints tiles: ideal light at sub-pixels over the tile and the apron that the point spread draws
 /// from, then the point spread. Keeps its memory from tile to tile; one painter per thread.
 class TilePainter {
  public:
-  /// Band rows first_row … last_row (px) are those that a view's moving planes move between.
   TilePainter(const Renderer::Stage& stage, const RayTable& rays, int radius_px);
 
   /// Whether all that the tile sees is one surface without markers: one sample per pixel will do.
@@ -33,41 +29,24 @@ class TilePainter {
  private:
   /// A surface that may be seen in the tile.
   struct Candidate {
-    int surface;
     MovingPlane plane;
     float width_m, height_m;
     bool covers;  ///< the whole tile and apron
-    std::size_t texture_level;
-    std::vector<float> light;  ///< at the nodes of a coarse grid over tile and apron
-  };
-  /// A marker in the tile, with the plate coordinates of sub-pixel corners in two neighbouring
-  /// rows.
-  struct Plate {
-    const MarkerPrint* print;
-    MovingPlane plane;
-    int surface;
-    std::size_t begin, end;   ///< sub-pixel columns
-    int first_row, last_row;  ///< sub-pixel rows
-    std::vector<float> upper_x, upper_y, lower_x, lower_y;
-  };
-  struct RayRow {
-    std::vector<float> x, y, z;
-    void resize(std::size_t n) {
-      x.resize(n);
-      y.resize(n);
-      z.resize(n);
-    }
   };
 
-  void find_candidates(const Tile& tile, const CameraView& view);
-  void find_plates(const Tile& tile, const CameraView& view, int n);
-  void light_candidates(const Tile& tile, int n);
-  void paint_view(const Tile& tile, const CameraView& view, int n, float weight);
-  void corner_rays(const Tile& tile, int n, std::size_t row, RayRow& out);
-  void choose_surfaces(std::size_t columns, float share);
-  void paint_surfaces(std::size_t row, std::size_t columns, int n, float share);
-  void paint_plate(Plate& plate, std::size_t row, float share);
-  void plate_corners(Plate& plate, float share) const;
+  [[nodiscard]] SubpixelGrid grid_of(const Tile& tile, int oversampling) const;
+  void find_candidates(const Tile& apron, const CameraView& view);
+  void find_plates(const SubpixelGrid& grid, const CameraView& view);
+  void paint_view(const SubpixelGrid& grid, const CameraView& view, float weight);
+  void find_seen(const SubpixelGrid& grid, float share);
+  void paint_surfaces(const SubpixelGrid& grid, std::size_t row);
+  void reduce(const Tile& tile, const SubpixelGrid& grid, const PointSpread& spread,
+              IrradianceImage& out);
+  [[nodiscard]] float share_at(double row_px) const;
+  /// One surface fills the view: nobody need ask what is seen where.
+  [[nodiscard]] bool one_surface() const {
+    return candidates_.size() == 1 && candidates_.front().covers;
+  }
 
   const Renderer::Stage& stage_;
   const RayTable& rays_;
@@ -75,14 +54,15 @@ class TilePainter {
   double band_first_px_ = 0, band_last_px_ = 0;
 
   std::vector<Candidate> candidates_;
-  std::vector<Plate> plates_;
-  RayRow upper_, lower_, centre_;
-  std::vector<float> pixel_corners_;
-  std::vector<std::uint8_t> seen_;  ///< per sub-pixel of a row: which candidate, or kNothing
-  std::vector<float> nearness_;
-  std::vector<float> background_, albedo_, light_;
-  std::vector<float> canvas_;  ///< rows of sub-pixels, each split into its phases
-  std::vector<float> half_reduced_, pixels_;
+  std::vector<SurfacePatch> patches_;  ///< of the candidates
+  std::vector<PlatePainter> plates_;
+  CornerRays upper_, lower_;
+  // Rows of sub-pixels, phase by phase.
+  std::vector<std::int32_t> seen_;  ///< which candidate, or kNothing
+  std::vector<float> centre_x_, centre_y_, centre_z_, nearness_, albedo_, light_, patch_albedo_,
+      patch_light_;
+  std::vector<float> canvas_;  ///< all rows
+  std::vector<float> half_reduced_;
 };
 
 }  // namespace waymark::simulator

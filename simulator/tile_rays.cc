@@ -1,0 +1,36 @@
+#include "simulator/tile_rays.h"
+
+namespace waymark::simulator {
+namespace {
+
+/// Interpolates one coordinate between pixel corners, `down` and phase by phase to the right.
+void interpolate(const float* upper, const float* lower, float down, std::size_t stride,
+                 std::size_t phases, std::vector<float>& out) {
+  out.resize(phases * stride);
+  for (std::size_t p = 0; p < phases; ++p) {
+    const float right = static_cast<float>(p) / static_cast<float>(phases);
+    float* values = out.data() + p * stride;
+    for (std::size_t i = 0; i < stride; ++i) {
+      const float here = upper[i] + down * (lower[i] - upper[i]);
+      const float next = upper[i + 1] + down * (lower[i + 1] - upper[i + 1]);
+      values[i] = here + right * (next - here);
+    }
+  }
+}
+
+}  // namespace
+
+void CornerRays::compute(const RayTable& rays, const SubpixelGrid& grid, std::size_t row) {
+  const std::size_t phases = grid.phases();
+  const int corner_y = grid.apron.y0 + static_cast<int>(row / phases);
+  const float down = static_cast<float>(row % phases) / static_cast<float>(phases);
+  const RayTable::Row upper = rays.row(corner_y);
+  const RayTable::Row lower = rays.row(row % phases == 0 ? corner_y : corner_y + 1);
+  const int first = grid.apron.x0 + rays.padding_px();
+  const std::size_t stride = grid.columns() + 1;
+  interpolate(upper.x + first, lower.x + first, down, stride, phases, x);
+  interpolate(upper.y + first, lower.y + first, down, stride, phases, y);
+  interpolate(upper.z + first, lower.z + first, down, stride, phases, z);
+}
+
+}  // namespace waymark::simulator
