@@ -123,7 +123,9 @@ ceres::Solver::Options solver_options(const AdjustmentOptions& options, std::siz
   solver.function_tolerance = options.function_tolerance;
   solver.gradient_tolerance = 1e-14;
   solver.parameter_tolerance = 1e-12;
-  solver.initial_trust_region_radius = 1e6;
+  solver.initial_trust_region_radius = 1.0 / options.initial_damping;
+  solver.max_trust_region_radius = 1e20;
+  solver.min_lm_diagonal = 1e-9;
   // One thread: Ceres adds up cost, gradient and Schur complement in the order in which threads
   // end.
   solver.num_threads = 1;

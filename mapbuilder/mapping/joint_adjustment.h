@@ -11,6 +11,10 @@ struct AdjustmentOptions {
   ObservationLoss loss;
   int max_iterations = 50;           ///< (1–1000)
   double function_tolerance = 1e-6;  ///< relative decrease of the cost that ends it
+  /// Levenberg–Marquardt's damping at the start, relative to the diagonal, (1e-16–1). What bends a
+  /// large map hardly costs anything: only next to no damping lets the end of an adjustment
+  /// converge in such a direction.
+  double initial_damping = 1e-6;
 };
 
 /// How an adjustment ended.

@@ -54,9 +54,9 @@ class ComponentBuilder {
     growth.grow(
         anchor_, state_,
         [&](MapState& state) {
-          adjust(growth, {options_.loss, 10, 1e-3});
+          adjust(growth, {options_.loss, 10, 1e-3, 1e-6});
           adapt_noise();
-          if (growth.reconsider(state) > 0) adjust(growth, {options_.loss, 10, 1e-3});
+          if (growth.reconsider(state) > 0) adjust(growth, {options_.loss, 10, 1e-3, 1e-6});
         },
         [&](std::size_t placed, std::size_t localized) {
           progress_.update(placed, fmt::format("{} of {} frame sets localized", localized,
@@ -110,7 +110,7 @@ class ComponentBuilder {
     constexpr double kNoiseSettled = 0.02;
     progress_.begin("adjusting jointly", static_cast<std::size_t>(options_.max_passes));
     for (int pass = 0; pass < options_.max_passes; ++pass) {
-      adjust(growth, {options_.loss, 30, 1e-4});
+      adjust(growth, {options_.loss, 30, 1e-4, 1e-8});
       const double noise_change = adapt_noise();
       const std::size_t reconsidered = growth.reconsider(state_);
       const std::size_t gated = update_gate(table_, observations_, options_.gate, state_);
@@ -118,7 +118,7 @@ class ComponentBuilder {
                        fmt::format("model sigma {:.3f} px", noise_.model_sigma_px));
       if (reconsidered + gated == 0 && noise_change < kNoiseSettled) break;
     }
-    const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-10});
+    const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-11, 1e-14});
     converged_ = summary.converged || summary.observations == 0;
     update_gate(table_, observations_, options_.gate, state_);
     progress_.end();

@@ -21,7 +21,7 @@ TEST(JointAdjustment, BringsDisturbedPosesBackToTheTruth) {
     state.rigs[f]->best.pose = disturb(state.rigs[f]->best.pose);
   }
   const auto summary = adjust_jointly(table, test::all_observations(table), 0,
-                                      {{Loss::squared, 6.0}, 50, 1e-14}, state);
+                                      {{Loss::squared, 6.0}, 50, 1e-14, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
   EXPECT_LT(summary.final_cost, 1e-10);
   for (std::size_t m = 0; m < table.markers.size(); ++m) {
@@ -40,7 +40,7 @@ TEST(JointAdjustment, TheAnchorStaysAndRejectedObservationsDoNotCount) {
   state.accepted[40] = 0;
   const Rigid3 anchor = state.rigs[0]->best.pose;
   const auto summary = adjust_jointly(table, test::all_observations(table), 0,
-                                      {{Loss::squared, 6.0}, 50, 1e-10}, state);
+                                      {{Loss::squared, 6.0}, 50, 1e-10, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
   EXPECT_EQ(summary.observations, table.observations.size() - 1);
   EXPECT_EQ(state.rigs[0]->best.pose.minus(anchor).norm(), 0.0);
@@ -56,7 +56,8 @@ TEST(JointAdjustment, TheSameTwiceIsTheSameToTheLastBit) {
   const auto table = test::table_of(room);
   const auto adjusted = [&] {
     MapState state = test::true_state(room, table);
-    adjust_jointly(table, test::all_observations(table), 0, {{Loss::huber, 6.0}, 50, 1e-10}, state);
+    adjust_jointly(table, test::all_observations(table), 0, {{Loss::huber, 6.0}, 50, 1e-10, 1e-6},
+                   state);
     return state;
   };
   const MapState a = adjusted();

@@ -30,7 +30,7 @@ TEST(MarkerPlacement, PlacesAMarkerByItsViews) {
     const auto estimate = place_marker(views, {});
     ASSERT_TRUE(estimate);
     EXPECT_LT(estimate->best.pose.minus(room.world_from_marker[m]).norm(), 1e-5);
-    EXPECT_GT(estimate->gap(), 20);
+    EXPECT_GT(estimate->gap(), 1);  // in sigmas² of 1 px: the flip explains the views worse
   }
 }
 
