@@ -8,9 +8,9 @@ find_package(Ceres 2.1 REQUIRED)
 
 # OpenCV's CMake configuration comes only with libopencv-dev, which pulls in VTK, HDF5 and GTK;
 # the modules needed here are declared one by one. Only mapbuilder's importer may link
-# imgcodecs and videoio: each start of a program that does costs 70 MB and 0.1–0.2 s.
+# videoio: each start of a program that does costs 70 MB and 0.1–0.2 s.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc calib3d aruco imgcodecs videoio)
+foreach(module core imgproc calib3d aruco videoio)
   find_library(OPENCV_${module} opencv_${module} REQUIRED)
   add_library(opencv::${module} UNKNOWN IMPORTED)
   set_target_properties(opencv::${module} PROPERTIES IMPORTED_LOCATION ${OPENCV_${module}}
@@ -21,16 +21,13 @@ find_package(yaml-cpp 0.7 REQUIRED)
 find_package(tomlplusplus REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
-find_package(spdlog REQUIRED)
 find_package(nlohmann_json 3.11 REQUIRED)
 find_package(tl-expected REQUIRED)
 find_package(PNG REQUIRED)
 find_package(JPEG REQUIRED)
 find_package(GTest REQUIRED)
-find_package(benchmark REQUIRED)
 find_package(Boost 1.74 REQUIRED)
 pkg_check_modules(APRILTAG REQUIRED IMPORTED_TARGET apriltag)
 pkg_check_modules(XXHASH REQUIRED IMPORTED_TARGET libxxhash)
-pkg_check_modules(TURBOJPEG REQUIRED IMPORTED_TARGET libturbojpeg)
 find_program(LCM_GEN lcm-gen REQUIRED)
 find_path(LCM_CORETYPES_DIR lcm/lcm_coretypes.h REQUIRED)

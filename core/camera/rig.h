@@ -14,9 +14,9 @@ struct RigCamera {
   std::string name;  ///< cam0, cam1, … in rig.yaml's order
   CameraModel model;
   Rigid3 rig_from_cam;
-  std::string serial;   ///< empty when not stated
-  std::string lens_id;  ///< empty when not stated
-  std::optional<double> readout_us;      ///< rolling-shutter read-out time of the whole image, µs
+  std::string serial;                ///< empty when not stated
+  std::string lens_id;               ///< empty when not stated
+  std::optional<double> readout_us;  ///< rolling-shutter read-out time of the whole image, µs
   std::optional<bool> global_shutter;
   std::optional<double> timeshift_cam_imu_s;  ///< printed, never used
 };

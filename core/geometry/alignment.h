@@ -27,8 +27,9 @@ struct Similarity3 {
                                                       bool with_scale);
 
 /// Least-squares motion between paired poses: rotation by the chordal mean of target·source⁻¹,
-/// then translation (and scale, where asked and where positions differ) by least squares. Determined from one pair on;
-/// used where positions alone lie on a line. nullopt when there are no pairs.
+/// then translation (and scale, where asked and where positions differ) by least squares.
+/// Determined from one pair on; used where positions alone lie on a line. nullopt when there are no
+/// pairs.
 [[nodiscard]] std::optional<Similarity3> align_poses(std::span<const Rigid3> source,
                                                      std::span<const Rigid3> target,
                                                      bool with_scale);

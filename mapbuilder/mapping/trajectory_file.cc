@@ -6,7 +6,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/geometry/tum.h"
-#include "mapbuilder/output_paths.h"
+#include "mapbuilder/output/output_paths.h"
 
 namespace waymark {
 
