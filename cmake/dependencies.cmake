@@ -7,10 +7,10 @@ find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(Ceres 2.1 REQUIRED)
 
 # OpenCV's CMake configuration comes only with libopencv-dev, which pulls in VTK, HDF5 and GTK;
-# the modules needed here are declared one by one. Only mapbuilder's importer may link
-# videoio: each start of a program that does costs 70 MB and 0.1–0.2 s.
+# the modules needed here are declared one by one. Only the video importer links videoio and only
+# tests link imgcodecs: each start of a program that does costs 70 MB and 0.1–0.2 s.
 find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
-foreach(module core imgproc calib3d aruco videoio)
+foreach(module core imgproc calib3d aruco imgcodecs videoio)
   find_library(OPENCV_${module} opencv_${module} REQUIRED)
   add_library(opencv::${module} UNKNOWN IMPORTED)
   set_target_properties(opencv::${module} PROPERTIES IMPORTED_LOCATION ${OPENCV_${module}}
