@@ -11,7 +11,7 @@ namespace {
 using enum Family;
 
 /// By rising family number, so that a family's number is its index.
-constexpr std::array<FamilyTraits, 21> kFamilies{{
+constexpr std::array<FamilyTraits, 22> kFamilies{{
     {aruco_4x4_50, "aruco_4x4_50", 4, 50},
     {aruco_4x4_100, "aruco_4x4_100", 4, 100},
     {aruco_4x4_250, "aruco_4x4_250", 4, 250},
@@ -33,7 +33,11 @@ constexpr std::array<FamilyTraits, 21> kFamilies{{
     {tag25h9, "tag25h9", 5, 35},
     {tag36h10, "tag36h10", 6, 2320},
     {tag36h11, "tag36h11", 6, 587},
+    {tagstandard52h13, "tagstandard52h13", 8, 48714},
 }};
+
+/// Those found in images come first.
+constexpr std::size_t kFoundInImages = 21;
 
 constexpr bool each_family_stands_at_its_number() {
   for (std::size_t i = 0; i < kFamilies.size(); ++i) {
@@ -45,7 +49,11 @@ static_assert(each_family_stands_at_its_number());
 
 }  // namespace
 
-std::span<const FamilyTraits> all_families() { return kFamilies; }
+std::span<const FamilyTraits> all_families() {
+  return std::span(kFamilies).first<kFoundInImages>();
+}
+
+bool is_found_in_images(Family family) { return static_cast<std::size_t>(family) < kFoundInImages; }
 
 const FamilyTraits& traits(Family family) {
   const auto index = static_cast<std::size_t>(family);

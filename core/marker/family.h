@@ -31,6 +31,7 @@ enum class Family : std::uint8_t {
   tag25h9 = 18,
   tag36h10 = 19,
   tag36h11 = 20,
+  tagstandard52h13 = 21,  ///< 48,714 ids, for buildings of 20,000 markers; from detections.csv only
 };
 
 /// What a family is: its name, how many cells its code has along one side (without the black
@@ -42,7 +43,13 @@ struct FamilyTraits {
   int id_count;
 };
 
+/// The families that this program prints and finds in images.
 [[nodiscard]] std::span<const FamilyTraits> all_families();
+
+/// False for a family whose detections come from elsewhere (detections.csv): neither marker_bits
+/// nor the detectors know it.
+[[nodiscard]] bool is_found_in_images(Family family);
+
 [[nodiscard]] const FamilyTraits& traits(Family family);
 
 /// nullopt for an unknown name.

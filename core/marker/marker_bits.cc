@@ -20,6 +20,7 @@ static_assert(opencv_dictionary(Family::tag36h11) == cv::aruco::DICT_APRILTAG_36
 
 MarkerBits marker_bits(const MarkerId& id) {
   const FamilyTraits& family = traits(id.family);
+  WAYMARK_CHECK(is_found_in_images(id.family));
   WAYMARK_CHECK(id.number >= 0 && id.number < family.id_count);
   const auto dictionary = cv::aruco::getPredefinedDictionary(opencv_dictionary(id.family));
   WAYMARK_CHECK(dictionary->markerSize == family.code_cells);

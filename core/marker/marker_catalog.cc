@@ -259,6 +259,16 @@ Expected<MarkerCatalog> parse_marker_catalog(std::string_view text, const std::s
   return CatalogReader(name).read(*root);
 }
 
+Status check_found_in_images(const MarkerCatalog& catalog, const std::string& name) {
+  for (const auto& entry : catalog.entries()) {
+    if (is_found_in_images(entry.family)) continue;
+    return fail(ErrorKind::bad_data,
+                "{}: markers of family {} can't be found in images yet; bring a detections.csv",
+                name, name_of(entry.family));
+  }
+  return {};
+}
+
 std::string format_marker_catalog(const MarkerCatalog& catalog) {
   std::string text;
   for (const auto& entry : catalog.entries()) {

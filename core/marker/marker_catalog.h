@@ -58,6 +58,10 @@ class MarkerCatalog {
 [[nodiscard]] Expected<MarkerCatalog> parse_marker_catalog(std::string_view text,
                                                            const std::string& name);
 
+/// bad_data when a family of the catalog is not one that is found in images (is_found_in_images);
+/// `name` stands for the capture in the message.
+[[nodiscard]] Status check_found_in_images(const MarkerCatalog& catalog, const std::string& name);
+
 /// Text of a markers.toml that reads back to the same catalog (used by the simulator, importers).
 [[nodiscard]] std::string format_marker_catalog(const MarkerCatalog& catalog);
 

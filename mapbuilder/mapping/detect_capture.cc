@@ -44,6 +44,9 @@ DetectedImage detect_image(const ImageFile& file, const CameraModel& camera,
 Expected<DetectedCapture> from_images(const CaptureFolder& capture,
                                       const DetectCaptureOptions& options, Progress& progress,
                                       DetectionReport& report) {
+  if (auto status = check_found_in_images(capture.catalog, capture.path.string()); !status) {
+    return tl::make_unexpected(std::move(status.error()));
+  }
   DetectedCapture detected{
       capture.path.string(), capture.rig, capture.catalog, {}, capture.sync_tolerance};
   std::size_t rotated = 0;

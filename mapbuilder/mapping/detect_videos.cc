@@ -31,6 +31,9 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads
   report.warnings = std::move(loaded->notes);
   auto catalog = read_marker_catalog(capture.markers_toml);
   if (!catalog) return tl::make_unexpected(catalog.error());
+  if (auto status = check_found_in_images(*catalog, capture.markers_toml.string()); !status) {
+    return tl::make_unexpected(std::move(status.error()));
+  }
   auto source = open_videos(capture.videos, loaded->rig, capture.options);
   if (!source) return tl::make_unexpected(source.error());
 

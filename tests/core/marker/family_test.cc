@@ -25,12 +25,19 @@ TEST(Family, NamesAreThoseOfMarkersToml) {
   EXPECT_EQ(name_of(Family::tag36h11), "tag36h11");
 }
 
+TEST(Family, OneFamilyIsKnownFromDetectionsOnly) {
+  EXPECT_EQ(family_from_name("tagstandard52h13"), Family::tagstandard52h13);
+  EXPECT_EQ(family_from_number(21), Family::tagstandard52h13);
+  EXPECT_FALSE(is_found_in_images(Family::tagstandard52h13));
+  for (const FamilyTraits& family : all_families()) EXPECT_TRUE(is_found_in_images(family.family));
+}
+
 TEST(Family, UnknownNamesAndNumbersAreNone) {
   for (const char* name : {"", "aruco", "aruco_4x4", "TAG36H11", "tag36h11 ", "aruco_8x8_50"}) {
     EXPECT_FALSE(family_from_name(name)) << name;
   }
   EXPECT_FALSE(family_from_number(-1));
-  EXPECT_FALSE(family_from_number(21));
+  EXPECT_FALSE(family_from_number(22));
 }
 
 TEST(Family, NumbersInMapFilesNeverChange) {
