@@ -55,6 +55,30 @@ ImageCorners upright_corners(Family family, const std::vector<cv::Point2f>& foun
   return corners;
 }
 
+double perimeter_px(const ImageCorners& corners) {
+  double sum = 0;
+  for (std::size_t i = 0; i < 4; ++i) sum += (corners[(i + 1) % 4] - corners[i]).norm();
+  return sum;
+}
+
+/// Whether both are the same marker in the same place.
+bool same_reading(const Detection& a, const Detection& b) {
+  if (a.marker != b.marker) return false;
+  Eigen::Vector2d between = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < 4; ++i) between += 0.25 * (a.corners[i] - b.corners[i]);
+  return between.norm() < 0.05 * perimeter_px(a.corners);
+}
+
+/// Adds a reading; of several of one marker in one place the outermost stays.
+void add_reading(const Detection& reading, std::vector<Detection>& detections) {
+  for (Detection& known : detections) {
+    if (!same_reading(known, reading)) continue;
+    if (perimeter_px(reading.corners) > perimeter_px(known.corners)) known = reading;
+    return;
+  }
+  detections.push_back(reading);
+}
+
 }  // namespace
 
 int correctable_bits(Family family) {
@@ -86,6 +110,12 @@ ArucoDetector::ArucoDetector(std::vector<Family> families, const DetectorOptions
   cv::aruco::DetectorParameters& p = *implementation_->parameters;
   p.errorCorrectionRate = 1.0;  // of the dictionary's maxCorrectionBits, set above
   p.cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
+  // OpenCV's 0.05 takes the outline of paper with one cell of margin for the marker's, and drops
+  // the marker; the readings of a border's two outlines are merged below instead.
+  p.minMarkerDistanceRate = 0.02;
+  // Only the middle of a cell, finely sampled, survives corners that are 1 px off.
+  p.perspectiveRemovePixelPerCell = 8;
+  p.perspectiveRemoveIgnoredMarginPerCell = 0.3;
 }
 
 ArucoDetector::~ArucoDetector() = default;
@@ -110,7 +140,7 @@ std::vector<Detection> ArucoDetector::detect(const GrayView& image) {
       detection.corners = upright_corners(pass.family, quads[i]);
       const auto reading = read_cells(image, detection.corners, marker_bits(detection.marker));
       if (reading) detection.hamming = reading->wrong_code_cells;
-      detections.push_back(detection);
+      add_reading(detection, detections);
     }
   }
   return detections;

@@ -66,6 +66,7 @@ class Refinement {
   void share_appearance(double log_blur_sigma);
   [[nodiscard]] double border_px(std::size_t side) const;
   [[nodiscard]] double shift_sigma_px() const;
+  [[nodiscard]] double shift_variance(std::size_t side, Eigen::Index end) const;
   [[nodiscard]] std::optional<Failure> judge() const;
 
   const GrayView& image_;
@@ -284,6 +285,17 @@ std::optional<Failure> Refinement::run() {
   return fit_until_still();
 }
 
+/// Variance (px²) of a side's place at its start (0) or end (1).
+double Refinement::shift_variance(std::size_t side, Eigen::Index end) const {
+  // What the last pass still moved is error too. Where the paper is saturated, the true step's
+  // middle lies an unknown part of the blur farther out.
+  constexpr double kSaturationBlurs = 0.4;
+  const double hidden_px =
+      kSaturationBlurs * steps_[side].saturated_share * appearances_[side].blur_px;
+  return steps_[side].covariance(end, end) + last_shift_px_ * last_shift_px_ +
+         hidden_px * hidden_px;
+}
+
 RefinedCorners Refinement::result() const {
   RefinedCorners refined;
   refined.corners = pixels_;
@@ -294,15 +306,14 @@ RefinedCorners Refinement::result() const {
     Eigen::Matrix2d outward;
     outward << sides_[before]->outward().transpose(), sides_[i]->outward().transpose();
     const Eigen::Matrix2d x_from_shift = outward.inverse();
-    // What the last pass still moved is error too.
-    const Eigen::Vector2d variances =
-        Eigen::Vector2d(steps_[before].covariance(1, 1), steps_[i].covariance(0, 0)).array() +
-        last_shift_px_ * last_shift_px_;
+    const Eigen::Vector2d variances(shift_variance(before, 1), shift_variance(i, 0));
     refined.covariances[i] =
         x_from_shift * variances.asDiagonal() * x_from_shift.transpose() +
         options_.model_sigma_px * options_.model_sigma_px * Eigen::Matrix2d::Identity();
     refined.blur_px += 0.25 * appearances_[i].blur_px;
     refined.contrast_grey += 0.25 * appearances_[i].contrast_grey();
+    refined.bow_px = std::max(refined.bow_px, std::abs(appearances_[i].bow_px));
+    refined.saturated_share += 0.25 * steps_[i].saturated_share;
     squares += 0.25 * appearances_[i].noise_grey * appearances_[i].noise_grey;
   }
   refined.residual_grey = std::sqrt(squares);

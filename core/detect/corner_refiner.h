@@ -30,7 +30,9 @@ struct RefinedCorners {
   CornerCovariances covariances;  ///< px²
   double blur_px = 0;  ///< standard deviation of point spread and pixel, mean of the sides
   double contrast_grey = 0;
-  double residual_grey = 0;  ///< of the fitted pixels, RMS
+  double residual_grey = 0;    ///< of the fitted pixels, RMS
+  double bow_px = 0;           ///< most that a side bends beyond the lens model: calibration, paper
+  double saturated_share = 0;  ///< of the paper beside the border
 };
 
 /// Why corners could not be refined.
@@ -50,7 +52,8 @@ enum class RefineFailure {
 /// decoded marker's pattern: the code's cells behind the border are part of the model, so that a
 /// border of two pixels does not bend the profile. A corner's covariance follows from the residuals
 /// of its two sides. Unbiased for a linear sensor; the sRGB response makes white grow: every edge
-/// moves inward by up to about 0.1 px at σ 0.8 px, which no fit of one edge can tell.
+/// moves inward by 0.1–0.2 px at σ 0.8 px, and saturated paper does likewise, which no fit of one
+/// edge can tell; the covariances grow with the saturated share.
 [[nodiscard]] tl::expected<RefinedCorners, RefineFailure> refine_corners(
     const GrayView& image, const CameraModel& camera, const ImageCorners& rough,
     const MarkerBits& bits, const RefineOptions& options = {});

@@ -23,6 +23,8 @@ constexpr double kOutlierNoises = 4;
 constexpr double kBentPx = 0.5;
 /// Rounding to 8 bits and what the model leaves out keep the noise above this (grey levels).
 constexpr double kMinNoiseGrey = 0.7;
+/// Grey levels from here on say only that there was more light.
+constexpr double kSaturatedGrey = 254;
 constexpr double kMinBlurPx = 0.25;
 constexpr double kMaxBlurPx = 4;
 constexpr double kMaxBandPx = 8;
@@ -135,6 +137,8 @@ class SideFit {
   double weights_ = 0;
   double weighted_squares_ = 0;
   int pixels_ = 0;
+  int paper_pixels_ = 0;
+  int saturated_pixels_ = 0;
 };
 
 /// Distance from `side` along a line of pixels through `edge` in direction `axis`.
@@ -218,6 +222,8 @@ void SideFit::add_pixel(PixelLine& line, double beyond_edge_px, double grey) {
   weights_ += weight;
   weighted_squares_ += weight * residual * residual;
   ++pixels_;
+  if (w.value > 0.5) ++paper_pixels_;
+  if (grey >= kSaturatedGrey) ++saturated_pixels_;
 }
 
 /// Spreads a line's sums over the side's unknowns: each is one of the local ones times a function
@@ -291,6 +297,7 @@ std::optional<SideStep> SideFit::solve() const {
   result.information_blur = pixel_information_blur_ / variance;
   result.pixels = pixels_;
   result.outlier_share = 1 - weights_ / pixels_;
+  result.saturated_share = std::min(1.0, saturated_pixels_ / std::max(1.0, 1.0 * paper_pixels_));
   return result;
 }
 

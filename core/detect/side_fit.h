@@ -38,7 +38,8 @@ struct SideStep {
   SideAppearance appearance;
   double information_blur = 0;  ///< of ln blur, from the pixels alone
   int pixels = 0;
-  double outlier_share = 0;  ///< of the pixels, by robust weight
+  double outlier_share = 0;    ///< of the pixels, by robust weight
+  double saturated_share = 0;  ///< of the pixels on the paper, at the sensor's upper end
 };
 
 /// The side, its neighbours (before, after) and the cells behind it.
