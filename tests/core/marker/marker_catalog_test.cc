@@ -188,6 +188,15 @@ INSTANTIATE_TEST_SUITE_P(
                  "line 4: family \"tag16h5\" has two blocks"}),
     bad_input_name);
 
+TEST(MarkerCatalog, FamilyThatOnlyCsvBringsIsRefusedForImages) {
+  EXPECT_TRUE(check_found_in_images(parsed(kMixedSizes), "capture"));
+  const auto status = check_found_in_images(
+      parsed("[markers]\nfamily = \"tagstandard52h13\"\nsize_m = 0.1\n"), "capture");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(status.error().message, HasSubstr("capture: markers of family tagstandard52h13"));
+}
+
 TEST(MarkerCatalog, AbsentFileIsNoInput) {
   const TemporaryFolder folder;
   EXPECT_EQ(read_marker_catalog(folder.path() / "markers.toml").error().kind, ErrorKind::no_input);

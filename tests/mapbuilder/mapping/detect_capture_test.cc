@@ -135,6 +135,7 @@ TEST_F(DetectCapture, DetectionsCsvBeatsImagesUnlessToldOtherwise) {
                                             HasSubstr("1 rows left out, their corners")));
   const auto from_images = detect({true, 0});
   ASSERT_TRUE(from_images);
+  ASSERT_EQ(from_images->images[0].detections.size(), 2U);
   EXPECT_EQ(from_images->images[0].detections[0].marker.number, 1);
 }
 

@@ -1,0 +1,84 @@
+#include "mapbuilder/commands/captures_in.h"
+
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_capture.h"
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+class CapturesIn : public testing::Test {
+ protected:
+  /// A capture with one detection; returns its folder.
+  std::filesystem::path make_capture(const std::string& name) const {
+    folder_.write(name + "/rig.yaml", tiny_rig_yaml(1));
+    folder_.write(name + "/markers.toml", tiny_markers_toml());
+    folder_.write(name + "/detections.csv",
+                  "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n5,cam0,3,9,9,30,9,30,30,9,30\n"
+                  "6,cam0,99,9,9,30,9,30,30,9,30\n");
+    return folder_.path() / name;
+  }
+
+  void expect_failure(ErrorKind kind, const char* message) {
+    const auto captures = take_captures_in(input_, progress_, notes_);
+    ASSERT_FALSE(captures) << "expected: " << message;
+    EXPECT_EQ(captures.error().kind, kind);
+    EXPECT_THAT(captures.error().message, HasSubstr(message));
+  }
+
+  TemporaryFolder folder_;
+  CaptureInput input_;
+  Progress progress_{false};
+  std::ostringstream notes_;
+};
+
+TEST_F(CapturesIn, TakesEveryCaptureAndSaysWhatItFound) {
+  input_.paths = {make_capture("a"), make_capture("b")};
+  const auto captures = take_captures_in(input_, progress_, notes_);
+  ASSERT_TRUE(captures) << captures.error().message;
+  ASSERT_EQ(captures->size(), 2U);
+  EXPECT_EQ((*captures)[1].images.size(), 2U);
+  EXPECT_THAT(notes_.str(), HasSubstr("b: 2 images, 1 markers found (from detections.csv)\n"));
+  EXPECT_THAT(notes_.str(), HasSubstr("note: "));
+}
+
+TEST_F(CapturesIn, TakesThePapersLayout) {
+  const auto papers = make_capture("c");
+  std::filesystem::remove(papers / "markers.toml");
+  folder_.write("c/sfm.toml", "[marker]\ntype='apriltag'\nfamily='36h11'\nboard_size=0.1\n");
+  input_.paths = {papers};
+  const auto captures = take_captures_in(input_, progress_, notes_);
+  ASSERT_TRUE(captures) << captures.error().message;
+  EXPECT_EQ(captures->front().images.size(), 2U);
+}
+
+TEST_F(CapturesIn, AMissingCaptureIsFoundBeforeTheFirstIsSearched) {
+  input_.paths = {make_capture("a"), folder_.path() / "absent"};
+  expect_failure(ErrorKind::no_input, "absent: no such capture folder");
+  EXPECT_EQ(notes_.str(), "");
+}
+
+TEST_F(CapturesIn, AFileIsAVideoAndNeedsRigAndMarkers) {
+  const auto file = folder_.write("walk.avi", "no video");
+  input_.paths = {make_capture("a"), file};
+  expect_failure(ErrorKind::usage, "walk.avi: a video needs both --rig and --markers");
+  input_.paths = {file};
+  input_.rig_yaml = folder_.write("rig.yaml", tiny_rig_yaml(1));
+  expect_failure(ErrorKind::usage, "walk.avi: a video needs both --rig and --markers");
+  input_.markers_toml = folder_.write("markers.toml", tiny_markers_toml());
+  expect_failure(ErrorKind::bad_data, "walk.avi: not a video");
+}
+
+TEST_F(CapturesIn, OutputsAreCheckedBeforeLongWork) {
+  EXPECT_TRUE(check_writable(folder_.path() / "new.map"));
+  EXPECT_EQ(check_writable(folder_.path()).error().kind, ErrorKind::cant_create);
+  EXPECT_EQ(check_writable(folder_.path() / "absent/new.map").error().kind, ErrorKind::cant_create);
+}
+
+}  // namespace
+}  // namespace waymark
