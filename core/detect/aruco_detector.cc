@@ -101,7 +101,7 @@ struct ArucoDetector::Implementation {
   double min_side_px = 0;
 };
 
-ArucoDetector::ArucoDetector(std::vector<Family> families, const DetectorOptions& options)
+ArucoDetector::ArucoDetector(const std::vector<Family>& families, const DetectorOptions& options)
     : implementation_(std::make_unique<Implementation>()) {
   for (const Family family : families) {
     implementation_->passes.push_back({family, correcting_dictionary(family)});

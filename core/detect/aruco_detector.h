@@ -15,7 +15,7 @@ namespace waymark {
 /// with a chance of at most 1e-3, so 36h11 corrects 3 bits, 4x4_1000 none.
 class ArucoDetector final : public MarkerDetector {
  public:
-  ArucoDetector(std::vector<Family> families, const DetectorOptions& options);
+  ArucoDetector(const std::vector<Family>& families, const DetectorOptions& options);
   ~ArucoDetector() override;
 
   [[nodiscard]] std::vector<Detection> detect(const GrayView& image) override;
