@@ -52,12 +52,29 @@ double distance_to_wall(const Surface& wall, const Eigen::Vector3d& p) {
 
 }  // namespace
 
-bool is_occluded(const Scene& scene, const Eigen::Vector3d& from_m, const Eigen::Vector3d& to_m) {
+Occluders occluders_near(const Scene& scene, const Eigen::Vector3d& point_m, double range_m) {
+  Occluders near;
+  const auto reaches = [&](const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+    return low.x() <= point_m.x() + range_m && high.x() >= point_m.x() - range_m &&
+           low.y() <= point_m.y() + range_m && high.y() >= point_m.y() - range_m;
+  };
+  for (const Box& box : scene.boxes) {
+    if (reaches(box.min_m, box.max_m)) near.boxes.push_back(&box);
+  }
+  for (const Surface& wall : scene.walls) {
+    const Eigen::Vector3d far = wall.point(wall.width_m, wall.height_m);
+    if (reaches(wall.origin.cwiseMin(far), wall.origin.cwiseMax(far))) near.walls.push_back(&wall);
+  }
+  return near;
+}
+
+bool is_occluded(const Occluders& occluders, const Eigen::Vector3d& from_m,
+                 const Eigen::Vector3d& to_m) {
   const Eigen::Vector3d way = to_m - from_m;
-  return std::any_of(scene.boxes.begin(), scene.boxes.end(),
-                     [&](const Box& box) { return box_cuts(box, from_m, way); }) ||
-         std::any_of(scene.walls.begin(), scene.walls.end(),
-                     [&](const Surface& wall) { return wall_cuts(wall, from_m, way); });
+  return std::any_of(occluders.boxes.begin(), occluders.boxes.end(),
+                     [&](const Box* box) { return box_cuts(*box, from_m, way); }) ||
+         std::any_of(occluders.walls.begin(), occluders.walls.end(),
+                     [&](const Surface* wall) { return wall_cuts(*wall, from_m, way); });
 }
 
 double clearance_m(const Scene& scene, const Eigen::Vector3d& point_m) {

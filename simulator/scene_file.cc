@@ -226,7 +226,8 @@ class SceneReader {
     return fields.finish();
   }
 
-  /// [[trajectory.lanes]]: parallel lanes driven to and fro, as through the aisles of a warehouse.
+  /// [[trajectory.lanes]]: parallel lanes driven to and fro, as through the aisles of a warehouse,
+  /// looking `sway_deg` to the left and to the right of the way in turn.
   Status add_lanes(const toml::table& table) {
     TomlFields fields(table, name_);
     const Eigen::Vector3d first_m = fields.vector3("first_m");
@@ -234,12 +235,12 @@ class SceneReader {
     const Eigen::Vector3d step_m = fields.vector3("step_m");
     const int count = fields.integer("count", 1, 10000);
     const int points = fields.integer("points_per_lane", 2, 1000, 4);
-    const double look_deg = fields.number("look_deg", -360, 360, 0.0);
+    const double sway_deg = fields.number("sway_deg", 0, 90, 0.0);
     for (int lane = 0; lane < count; ++lane) {
       for (int i = 0; i < points; ++i) {
         const double share = static_cast<double>(lane % 2 == 0 ? i : points - 1 - i) / (points - 1);
         scene_.trajectory.waypoints.push_back(
-            {first_m + lane * step_m + share * along_m, look_deg, 0.0});
+            {first_m + lane * step_m + share * along_m, i % 2 == 0 ? sway_deg : -sway_deg, 0.0});
       }
     }
     return fields.finish();
@@ -250,7 +251,8 @@ class SceneReader {
     Eigen::Vector3d before = way.position_m(0);
     for (double arc_m = 0; arc_m <= way.length_m(); arc_m += kClearanceStep_m) {
       const Eigen::Vector3d here = way.position_m(arc_m);
-      if (clearance_m(scene_, here) < kLeastClearance_m || is_occluded(scene_, before, here)) {
+      if (clearance_m(scene_, here) < kLeastClearance_m ||
+          is_occluded(occluders_near(scene_, here, 1.0), before, here)) {
         return fail(
             ErrorKind::bad_data,
             "{}: the way leads through a wall or closer than {} m to one at ({:.2f}, {:.2f}, "

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "simulator/occlusion.h"
-
 namespace waymark::simulator {
 namespace {
 
@@ -36,6 +34,7 @@ std::vector<VisibleMarker> Visibility::visible_from(const CameraModel& camera,
   const double range_m =
       1.5 * largest_marker_m_ * std::max(p.fu_px, p.fv_px) / limits_.least_side_px;
   const Eigen::Vector3d& eye = world_from_cam.translation;
+  const Occluders occluders = occluders_near(scene_, eye, range_m);
   std::vector<VisibleMarker> visible;
   for (int x = square_of(eye.x() - range_m); x <= square_of(eye.x() + range_m); ++x) {
     for (int y = square_of(eye.y() - range_m); y <= square_of(eye.y() + range_m); ++y) {
@@ -43,7 +42,8 @@ std::vector<VisibleMarker> Visibility::visible_from(const CameraModel& camera,
       if (square == markers_by_square_.end()) continue;
       for (const std::size_t i : square->second) {
         VisibleMarker seen{i, {}};
-        if (sees(camera, world_from_cam, scene_.markers[i], seen.corners)) visible.push_back(seen);
+        if (sees(camera, world_from_cam, occluders, scene_.markers[i], seen.corners))
+          visible.push_back(seen);
       }
     }
   }
@@ -53,7 +53,8 @@ std::vector<VisibleMarker> Visibility::visible_from(const CameraModel& camera,
 }
 
 bool Visibility::sees(const CameraModel& camera, const Rigid3& world_from_cam,
-                      const PlacedMarker& marker, ImageCorners& corners) const {
+                      const Occluders& occluders, const PlacedMarker& marker,
+                      ImageCorners& corners) const {
   const Eigen::Vector3d& eye = world_from_cam.translation;
   const Eigen::Vector3d& centre = marker.world_from_marker.translation;
   const Eigen::Vector3d to_eye = eye - centre;
@@ -77,9 +78,9 @@ bool Visibility::sees(const CameraModel& camera, const Rigid3& world_from_cam,
   for (std::size_t i = 0; i < 4; ++i) {
     if ((corners[i] - corners[(i + 1) % 4]).norm() < limits_.least_side_px) return false;
   }
-  if (is_occluded(scene_, eye, centre)) return false;
+  if (is_occluded(occluders, eye, centre)) return false;
   return std::none_of(in_marker.begin(), in_marker.end(), [&](const Eigen::Vector3d& corner) {
-    return is_occluded(scene_, eye, marker.world_from_marker * corner);
+    return is_occluded(occluders, eye, marker.world_from_marker * corner);
   });
 }
 

@@ -5,6 +5,7 @@
 
 #include "core/camera/camera_model.h"
 #include "core/marker/marker_geometry.h"
+#include "simulator/occlusion.h"
 #include "simulator/scene.h"
 
 namespace waymark::simulator {
@@ -36,7 +37,8 @@ class Visibility {
 
  private:
   [[nodiscard]] bool sees(const CameraModel& camera, const Rigid3& world_from_cam,
-                          const PlacedMarker& marker, ImageCorners& corners) const;
+                          const Occluders& occluders, const PlacedMarker& marker,
+                          ImageCorners& corners) const;
 
   const Scene& scene_;
   VisibilityLimits limits_;
