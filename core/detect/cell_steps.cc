@@ -36,7 +36,8 @@ bool CellSteps::is_white(int row, int column) const {
 }
 
 double CellSteps::whiteness(int row, double column, double columns_per_px, double blur_px) const {
-  const int cell = static_cast<int>(std::floor(column));
+  if (!(column >= 0 && column < bits_->cells)) return 0;
+  const int cell = static_cast<int>(column);
   const double here = is_white(row, cell) ? 1.0 : 0.0;
   const double within = column - cell;
   const bool nearer_to_next = within > 0.5;

@@ -93,7 +93,14 @@ Eigen::Vector3d Refinement::axis(const CameraModel& camera) const {
 
 std::optional<Failure> Refinement::place_rough_corners() {
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto point = plane_.plane_from_pixel(rough_[i]);
+    // A corner that the image does not show can't be refined.
+    const Eigen::Vector2d& pixel = rough_[i];
+    const double margin = options_.max_shift_px;
+    if (!(pixel.x() > -margin && pixel.x() < image_.width_px + margin && pixel.y() > -margin &&
+          pixel.y() < image_.height_px + margin)) {
+      return Failure::outside_camera;
+    }
+    const auto point = plane_.plane_from_pixel(pixel);
     if (!point) return Failure::outside_camera;
     corners_[i] = *point;
   }
@@ -114,10 +121,12 @@ std::optional<Failure> Refinement::look_at_sides() {
 
 double Refinement::border_px(std::size_t side) const {
   const CellSteps cells(pixels_, side, bits_);
-  return cells
-      .behind(sides_[side]->point_px(0.5), -sides_[side]->outward(), sides_[side]->along(), 1.0,
-              0.0)
-      .border_px;
+  const double width = cells
+                           .behind(sides_[side]->point_px(0.5), -sides_[side]->outward(),
+                                   sides_[side]->along(), 1.0, 0.0)
+                           .border_px;
+  constexpr double kMaxBorderPx = 1e4;
+  return width > 0 && width < kMaxBorderPx ? width : 1.0;
 }
 
 /// Shifts each side's line outward at its ends, and intersects the lines anew.

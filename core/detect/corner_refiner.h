@@ -37,7 +37,7 @@ struct RefinedCorners {
 
 /// Why corners could not be refined.
 enum class RefineFailure {
-  outside_camera,  ///< the lens model does not reach there, or the corners are no convex quad
+  outside_camera,  ///< the lens model or the image does not reach there, or no convex quad
   no_edge,         ///< some side has no step from dark to light within reach
   too_small,       ///< some side has too few pixels clear of the corners
   low_contrast,    ///< paper and border hardly differ
