@@ -1,6 +1,7 @@
 #include "mapbuilder/evaluate/ground_truth.h"
 
 #include <algorithm>
+#include <initializer_list>
 
 #include "core/geometry/tum.h"
 
@@ -22,6 +23,15 @@ Expected<std::map<MarkerId, Rigid3>> read_markers(const fs::path& path,
     }
   }
   return markers;
+}
+
+std::optional<fs::path> first_there(const fs::path& folder,
+                                    std::initializer_list<const char*> names) {
+  for (const char* name : names) {
+    std::error_code ignored;
+    if (fs::exists(folder / name, ignored)) return folder / name;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -48,16 +58,14 @@ Expected<std::vector<StampedPose>> read_stamped_poses(const fs::path& path) {
 }
 
 Expected<GroundTruth> read_ground_truth(const fs::path& folder, std::optional<Family> only_family) {
-  const fs::path markers_path = folder / "markers.tum";
-  const fs::path rig_path = folder / "rig.tum";
   GroundTruth truth;
-  if (fs::exists(markers_path)) {
-    auto markers = read_markers(markers_path, only_family);
+  if (const auto path = first_there(folder, {"markers.tum", "marker_gt.txt"})) {
+    auto markers = read_markers(*path, only_family);
     if (!markers) return tl::make_unexpected(markers.error());
     truth.world_from_marker = *std::move(markers);
   }
-  if (fs::exists(rig_path)) {
-    auto rig = read_stamped_poses(rig_path);
+  if (const auto path = first_there(folder, {"rig.tum", "cam_gt.txt"})) {
+    auto rig = read_stamped_poses(*path);
     if (!rig) return tl::make_unexpected(rig.error());
     truth.world_from_rig = *std::move(rig);
   }

@@ -25,9 +25,10 @@ struct GroundTruth {
   std::optional<std::vector<StampedPose>> world_from_rig;       ///< rig.tum, by rising stamp
 };
 
-/// Reads groundtruth/markers.tum and groundtruth/rig.tum. Bare marker numbers mean `only_family`;
-/// where that is nullopt, several families meet and ids must name theirs. no_input when neither
-/// file is there; bad_data with the file for ids or stamps that are none or repeat.
+/// Reads markers.tum and rig.tum of a folder groundtruth, or marker_gt.txt and cam_gt.txt of one of
+/// the paper's data sets. Bare marker numbers mean `only_family`; where that is nullopt, several
+/// families meet and ids must name theirs. no_input when neither file is there; bad_data with the
+/// file for ids or stamps that are none or repeat.
 [[nodiscard]] Expected<GroundTruth> read_ground_truth(const std::filesystem::path& folder,
                                                       std::optional<Family> only_family);
 

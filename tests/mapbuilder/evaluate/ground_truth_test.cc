@@ -40,6 +40,15 @@ TEST_F(GroundTruthFolder, MayHoldOnlyOneOfThem) {
   EXPECT_TRUE(truth->world_from_rig);
 }
 
+TEST_F(GroundTruthFolder, MayBeOneOfThePapersDataSets) {
+  folder_.write("marker_gt.txt", std::string("12") + kPose);
+  folder_.write("cam_gt.txt", std::string("0") + kPose + "1" + kPose);
+  const auto truth = read();
+  ASSERT_TRUE(truth) << truth.error().message;
+  EXPECT_EQ(truth->world_from_marker->size(), 1U);
+  EXPECT_EQ(truth->world_from_rig->size(), 2U);
+}
+
 TEST_F(GroundTruthFolder, WithoutEitherIsNoInput) {
   const auto truth = read();
   ASSERT_FALSE(truth);
