@@ -24,12 +24,12 @@ struct PoseOptimum {
 };
 
 /// Levenberg–Marquardt over one pose. `linearize(pose)` gives the PoseEquations there; steps that
-/// raise the cost are taken back. Ends when a step promises less than 1e-8 sigmas². nullopt when
+/// raise the cost are taken back. Ends when a step promises less than 1e-7 sigmas². nullopt when
 /// fewer than three corners can be projected at the start. No allocation.
 template <typename Linearize>
 [[nodiscard]] std::optional<PoseOptimum> minimize_pose(const Rigid3& start, int max_iterations,
                                                        const Linearize& linearize) {
-  constexpr double kNegligibleDecrease = 1e-8;
+  constexpr double kNegligibleDecrease = 1e-7;
   Rigid3 pose = start;
   PoseEquations here = linearize(pose);
   if (here.corners < 3) return std::nullopt;

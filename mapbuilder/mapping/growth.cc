@@ -115,18 +115,19 @@ std::vector<PlacementView> Growth::placement_views(const MapState& state, int ma
       usable.push_back(index);
     }
   }
-  // Half of the views are the largest, for precision; half are spread over the rest, for variety.
+  // Half of the views are the largest, for precision; half are spread over the smaller ones, for
+  // variety. By size alone, so that neither stamps nor order decide.
   if (usable.size() > most) {
     std::stable_sort(usable.begin(), usable.end(), [&](std::size_t a, std::size_t b) {
       return double_area(table_.observations[a].corners_px) >
              double_area(table_.observations[b].corners_px);
     });
-    std::vector<std::size_t> rest(usable.begin() + static_cast<std::ptrdiff_t>(most / 2),
-                                  usable.end());
-    usable.resize(most / 2);
-    std::sort(rest.begin(), rest.end());
-    const std::size_t wanted = most - most / 2;
-    for (std::size_t i = 0; i < wanted; ++i) usable.push_back(rest[i * rest.size() / wanted]);
+    const std::size_t largest = most / 2;
+    const std::size_t spread = most - largest;
+    for (std::size_t i = 0; i < spread; ++i) {
+      usable[largest + i] = usable[largest + i * (usable.size() - largest) / spread];
+    }
+    usable.resize(most);
   }
   std::vector<PlacementView> views;
   views.reserve(usable.size());

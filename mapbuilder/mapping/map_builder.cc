@@ -118,7 +118,7 @@ class ComponentBuilder {
                        fmt::format("model sigma {:.3f} px", noise_.model_sigma_px));
       if (reconsidered + gated == 0 && noise_change < kNoiseSettled) break;
     }
-    const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-11, 1e-14});
+    const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14});
     converged_ = summary.converged || summary.observations == 0;
     update_gate(table_, observations_, options_.gate, state_);
     progress_.end();
