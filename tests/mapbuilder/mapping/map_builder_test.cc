@@ -166,14 +166,18 @@ TEST(MapBuilder, WrongIdsAreGatedAndTheRestIsUnharmed) {
   std::mt19937 random(13);
   std::size_t wrong = 0;
   for (ImageDetections& image : room.images) {
+    // Of two observations that disagree nobody can say which one is wrong: at least three stay
+    // right.
+    if (image.detections.size() < 4) continue;
     for (Detection& d : image.detections) {
-      if (random() % 50 != 0) continue;
+      if (random() % 30 != 0) continue;
       const int other = static_cast<int>(random() % 40);
       const bool taken = std::any_of(image.detections.begin(), image.detections.end(),
                                      [&](const Detection& e) { return e.marker.number == other; });
       if (taken) continue;
       d.marker.number = other;
       ++wrong;
+      break;
     }
   }
   ASSERT_GT(wrong, 5U);
