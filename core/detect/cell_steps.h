@@ -26,6 +26,8 @@ class CellSteps {
   /// a marker is neglected here. Corners on a line give a depthless marker.
   CellSteps(const ImageCorners& corners, std::size_t side, const MarkerBits& bits);
 
+  [[nodiscard]] int cells_across() const { return bits_->cells; }
+
   /// Behind the side's point `pixel`, no deeper than `reach_px`; `inward` and `along` are unit.
   /// Between two cells of a row the whiteness is blended by the blur.
   [[nodiscard]] InwardSteps behind(const Eigen::Vector2d& pixel, const Eigen::Vector2d& inward,

@@ -232,7 +232,8 @@ std::optional<Failure> Refinement::fit_once(int max_columns) {
   last_shift_px_ = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     const CellSteps cells(pixels_, i, bits_);
-    const SideScene scene{*sides_[i], *sides_[(i + 3) % 4], *sides_[(i + 1) % 4], cells};
+    const SideScene scene{*sides_[i], *sides_[(i + 3) % 4], *sides_[(i + 1) % 4],
+                          *sides_[(i + 2) % 4], cells};
     const auto step = fit_side(image_, scene, appearances_[i], priors_[i], max_columns);
     if (!step) return Failure::too_small;
     steps_[i] = *step;

@@ -52,7 +52,7 @@ enum class RefineFailure {
 /// decoded marker's pattern: the code's cells behind the border are part of the model, so that a
 /// border of two pixels does not bend the profile. A corner's covariance follows from the residuals
 /// of its two sides. Unbiased for a linear sensor; the sRGB response makes white grow: every edge
-/// moves inward by 0.1–0.2 px at σ 0.8 px, and saturated paper does likewise, which no fit of one
+/// moves inward by 0.25 px at σ 0.8 px, and saturated paper does likewise, which no fit of one
 /// edge can tell; the covariances grow with the saturated share.
 [[nodiscard]] tl::expected<RefinedCorners, RefineFailure> refine_corners(
     const GrayView& image, const CameraModel& camera, const ImageCorners& rough,

@@ -149,11 +149,13 @@ Ramp distance_along(const ImageSide& side, const Eigen::Vector2d& edge, int axis
 
 void SideFit::add_line(int axis, int line) {
   const ImageSide& side = scene_.side;
-  double place = 0;
-  for (int i = 0; i < 2; ++i) {
-    place += (line - side.point_px(place)[axis]) / (side.along()[axis] * side.length_px());
+  double place = (line - side.start_px()[axis]) / (side.along()[axis] * side.length_px());
+  for (int i = 0; i < 3; ++i) {  // Newton's method: the chord's place, corrected for the bend
+    const double px_per_place =
+        side.along()[axis] * side.length_px() + side.outward()[axis] * side.bend_slope_px(place);
+    place += (line - side.point_px(place)[axis]) / px_per_place;
   }
-  if (place < 0 || place > 1) return;
+  if (!(place >= 0 && place <= 1)) return;
   const Eigen::Vector2d edge = side.point_px(place);
   const int other = 1 - axis;
   PixelLine pixels;
@@ -167,10 +169,18 @@ void SideFit::add_line(int axis, int line) {
   Eigen::Vector2d inward = Eigen::Vector2d::Zero();
   inward[other] = pixels.outside.per_px > 0 ? -1 : 1;
   constexpr double kReachPx = kMaxBandPx + kStepBlurs * kMaxBlurPx;
-  pixels.steps = scene_.cells.behind(edge, inward, side.along(), start_.blur_px, kReachPx);
-  for (double& depth : pixels.steps.depth_px) depth *= slant;
-  pixels.steps.border_px *= slant;
-  pixels.steps.paper_px *= slant;
+  // The cells are known between chords: where the sides bend outward, every row is that much wider.
+  const double bend_px = side.bend_px(place);
+  const double wider_px =
+      (bend_px + scene_.opposite.bend_px(1 - place)) / scene_.cells.cells_across();
+  pixels.steps = scene_.cells.behind(edge - bend_px * side.outward(), inward, side.along(),
+                                     start_.blur_px, kReachPx);
+  for (std::size_t i = 0; i < InwardSteps::kRows; ++i) {
+    double& depth_px = pixels.steps.depth_px[i];
+    depth_px = depth_px * slant + wider_px * static_cast<double>(i + 1);
+  }
+  pixels.steps.border_px = pixels.steps.border_px * slant + wider_px;
+  pixels.steps.paper_px = pixels.steps.paper_px * slant + wider_px;
   if (!(pixels.steps.border_px > 0.5 && pixels.steps.paper_px > 0.5)) return;
   pixels.black = (1 - place) * start_.black_grey[0] + place * start_.black_grey[1];
   pixels.white = (1 - place) * start_.white_grey[0] + place * start_.white_grey[1];

@@ -42,11 +42,12 @@ struct SideStep {
   double saturated_share = 0;  ///< of the pixels on the paper, at the sensor's upper end
 };
 
-/// The side, its neighbours (before, after) and the cells behind it.
+/// The side, the others (before, after, opposite) and the cells behind it.
 struct SideScene {
   const ImageSide& side;
   const ImageSide& before;
   const ImageSide& after;
+  const ImageSide& opposite;
   const CellSteps& cells;
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kOversampling = 6;
 /// Pieces of a cell's edge: a lens bends it.
-constexpr int kPiecesPerCell = 3;
+constexpr int kPiecesPerCell = 12;
 
 /// The marker's plane (cells right and down from the top-left corner) in the image.
 class CellProjector {
