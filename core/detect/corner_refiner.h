@@ -51,9 +51,14 @@ enum class RefineFailure {
 /// undistorted plane, and intersected there; `rough` may be several pixels off. `bits` is the
 /// decoded marker's pattern: the code's cells behind the border are part of the model, so that a
 /// border of two pixels does not bend the profile. A corner's covariance follows from the residuals
-/// of its two sides. Unbiased for a linear sensor; the sRGB response makes white grow: every edge
-/// moves inward by 0.25 px at σ 0.8 px, and saturated paper does likewise, which no fit of one
-/// edge can tell; the covariances grow with the saturated share.
+/// of its two sides; eᵀC⁻¹e is 0.75–1.0 times the expected on flat rendered markers, for the fit
+/// lets a side bow a little.
+///
+/// On rendered markers from 45 px side up, tilted to 60°, PSF σ 0.6–1.0 px, noise 2 grey levels:
+/// 0.015 px RMS per axis, edges within 0.001 px (bench_detect_corners). Unbiased for a linear
+/// sensor; the sRGB response makes white grow: every edge moves inward by 0.25 px at σ 0.8 px, and
+/// saturated paper does likewise, which no fit of one edge can tell; the covariances grow with the
+/// saturated share.
 [[nodiscard]] tl::expected<RefinedCorners, RefineFailure> refine_corners(
     const GrayView& image, const CameraModel& camera, const ImageCorners& rough,
     const MarkerBits& bits, const RefineOptions& options = {});
