@@ -44,10 +44,7 @@ RenderSettings settings_of(const RenderOptions& options) {
   settings.vignetting = options.vignetting.value_or(settings.vignetting);
   settings.texture_contrast = options.texture_contrast.value_or(settings.texture_contrast);
   settings.white_level = options.white_level.value_or(settings.white_level);
-  if (options.exposure_ms) {
-    settings.exposure_s = *options.exposure_ms * 1e-3;
-    settings.sub_exposures = std::max(settings.sub_exposures, 8);
-  }
+  if (options.exposure_ms) settings.exposure_s = *options.exposure_ms * 1e-3;
   if (options.readout_ms) settings.readout_s = *options.readout_ms * 1e-3;
   return settings;
 }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "simulator/scene.h"
 
 namespace waymark::simulator {
@@ -8,20 +11,23 @@ namespace waymark::simulator {
 /// that are not modelled (people, pipes, furniture), fixed to the surface.
 class Illumination {
  public:
-  /// The scene must outlive it. `uniform`: irradiance 1 everywhere.
+  /// Computes a map of the light for every surface of the scene. `uniform`: irradiance 1
+  /// everywhere.
   Illumination(const Scene& scene, bool uniform);
 
   /// Irradiance relative to the level at which white paper is well exposed, at plane coordinates
-  /// (m) of a surface.
-  [[nodiscard]] float at(int surface, double across_m, double above_m) const;
+  /// (m) of a surface; beyond its edges, that at the edge.
+  [[nodiscard]] float at(int surface, float across_m, float above_m) const;
 
  private:
-  [[nodiscard]] double unscaled(int surface, double across_m, double above_m) const;
-  [[nodiscard]] double shadow(int surface, double across_m, double above_m) const;
+  /// Irradiance at nodes of a grid over one surface, row by row from its lower edge.
+  struct LightMap {
+    std::size_t columns = 0;
+    std::size_t rows = 0;
+    std::vector<float> irradiance;
+  };
 
-  const Scene& scene_;
-  bool uniform_;
-  double exposure_ = 1.0;  ///< that brings the markers' mean irradiance to 1
+  std::vector<LightMap> maps_;  ///< by surface; none when the light is uniform
 };
 
 }  // namespace waymark::simulator

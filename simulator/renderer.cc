@@ -17,6 +17,22 @@ double blur_sigma_px(const RenderSettings& settings) {
   return std::hypot(settings.psf_sigma_px, settings.defocus_sigma_px);
 }
 
+/// A moving image is the mean of images at most this far apart, which lens and pixel smooth over.
+constexpr double kSubExposureStep_px = 0.5;
+
+/// Sub-exposures that a motion needs, by the rig's turn and its shift before a wall at 1 m.
+int needed_sub_exposures(const RenderSettings& settings, const CameraModel& camera,
+                         const CameraMotion& motion) {
+  if (settings.exposure_s <= 0) return 1;
+  const Rigid3 first = motion(-0.5 * settings.exposure_s);
+  const Rigid3 last = motion(0.5 * settings.exposure_s);
+  const double turn_rad = angle_between_rad(first.rotation, last.rotation);
+  const double shift_m = (last.translation - first.translation).norm();
+  const double blur_px = (turn_rad + shift_m / 1.0) * camera.parameters().fu_px;
+  return std::clamp(static_cast<int>(std::ceil(blur_px / kSubExposureStep_px)), 1,
+                    settings.sub_exposures);
+}
+
 Rigid3 world_from_plane(const Surface& surface) {
   Eigen::Matrix3d axes;
   axes << surface.right, surface.up, surface.normal();
@@ -74,7 +90,7 @@ IrradianceImage Renderer::irradiance(std::size_t camera, const CameraMotion& mot
                       static_cast<std::size_t>(image.height_px));
   TilePainter painter(stage_, rays, radius_px);
   const bool moves = settings.exposure_s > 0 || settings.readout_s > 0;
-  const int sub_exposures = settings.exposure_s > 0 ? settings.sub_exposures : 1;
+  const int sub_exposures = needed_sub_exposures(settings, models_[camera], motion);
   const double middle_row = 0.5 * (image.height_px - 1);
   std::vector<CameraView> views;
   for (int y0 = 0; y0 < image.height_px; y0 += kTile_px) {

@@ -88,12 +88,9 @@ void SurfacePatch::compute(const Renderer::Stage& stage, const RayTable& rays,
   visit_nodes(rays, grid.apron, map, kAlbedoStep_px, [&](float across, float above) {
     albedo_.push_back(base * stage.texture.sample(level, across, above));
   });
-  const Surface& face = stage.scene->surfaces[index];
   light_.clear();
   visit_nodes(rays, grid.apron, map, kLightStep_px, [&](float across, float above) {
-    light_.push_back(stage.illumination.at(plane.index,
-                                           std::clamp<double>(across, 0.0, face.width_m),
-                                           std::clamp<double>(above, 0.0, face.height_m)));
+    light_.push_back(stage.illumination.at(plane.index, across, above));
   });
 }
 
