@@ -57,7 +57,8 @@ Tally rendered(DetectorEngine engine, Family family, double side_px, double tilt
     for (int k = 0; k < 12; ++k) {
       RenderedMarker marker;
       marker.id = {family, static_cast<int>(unit(generator) * traits(family).id_count)};
-      const MarkerView view{{160.0 + 320 * (k % 4), 160.0 + 320 * (k / 4)},
+      const int row = k / 4;
+      const MarkerView view{{160.0 + 320 * (k % 4), 160.0 + 320 * row},
                             side_px,
                             tilt_deg * std::numbers::pi / 180,
                             6.28 * unit(generator),

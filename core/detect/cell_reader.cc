@@ -59,9 +59,10 @@ std::optional<CellReading> read_cells(const GrayView& image, const ImageCorners&
 
   CellReading reading;
   reading.contrast_grey = white - black;
+  std::size_t cell = 0;
   for (int row = 0; row < bits.cells; ++row) {
     for (int column = 0; column < bits.cells; ++column) {
-      const double grey = greys[static_cast<std::size_t>(row * bits.cells + column)];
+      const double grey = greys[cell++];
       if ((grey > 0.5 * (black + white)) == bits.is_white(row, column)) continue;
       const bool on_border =
           row == 0 || column == 0 || row == bits.cells - 1 || column == bits.cells - 1;

@@ -48,7 +48,11 @@ std::optional<Step> steepest_step(const GrayView& image, const ImageSide& side, 
                                   double reach_px) {
   constexpr int kMaxHalf = 16;
   const int half = std::clamp(static_cast<int>(std::ceil(reach_px)) + 1, 2, kMaxHalf);
-  std::array<double, 2 * kMaxHalf + 1> grey;
+  std::array<double, 2 * kMaxHalf + 1> greys{};
+  const auto grey = [&](int i) -> double& {
+    const int index = i + half;
+    return greys[static_cast<std::size_t>(index)];
+  };
   const Eigen::Vector2d middle = side.point_px(place);
   int first = 0;
   int last = -1;
@@ -57,13 +61,10 @@ std::optional<Step> steepest_step(const GrayView& image, const ImageSide& side, 
     if (!sample) continue;
     if (last < first) first = i;
     last = i;
-    grey[static_cast<std::size_t>(i + half)] = *sample;
+    grey(i) = *sample;
   }
   if (last - first < 4) return std::nullopt;
-  const auto rise = [&](int i) {
-    const auto at = static_cast<std::size_t>(i + half);
-    return grey[at + 1] - grey[at - 1];
-  };
+  const auto rise = [&](int i) { return grey(i + 1) - grey(i - 1); };
   int best = first + 1;
   for (int i = first + 1; i < last; ++i) {
     if (rise(i) > rise(best)) best = i;
@@ -77,9 +78,8 @@ std::optional<Step> steepest_step(const GrayView& image, const ImageSide& side, 
     if (curvature > 0) fraction = std::clamp(0.5 * (after - before) / curvature, -0.5, 0.5);
   }
   const int plateau = std::clamp(static_cast<int>(0.4 * reach_px), 2, 4);
-  const auto inside = static_cast<std::size_t>(std::max(best - plateau, first) + half);
-  const auto outside = static_cast<std::size_t>(std::min(best + plateau, last) + half);
-  return Step{place, best + fraction, grey[inside], grey[outside], rise(best)};
+  return Step{place, best + fraction, grey(std::max(best - plateau, first)),
+              grey(std::min(best + plateau, last)), rise(best)};
 }
 
 /// outside_px as a function of the place.

@@ -28,6 +28,12 @@ std::vector<double> pixel_kernel(double sigma_px, int oversampling) {
   return kernel;
 }
 
+/// Place of an element in rows of `width`.
+std::size_t index(int row, int width, int column) {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+         static_cast<std::size_t>(column);
+}
+
 }  // namespace
 
 CoverageGrid::CoverageGrid(const PixelBox& box, int oversampling)
@@ -67,7 +73,7 @@ void CoverageGrid::add_edge(Eigen::Vector2d from, Eigen::Vector2d to, double lig
     const int first = static_cast<int>(std::floor(x0));
     const int last = static_cast<int>(std::floor(x1));
     WAYMARK_CHECK(first >= 0 && last < columns_ && row >= 0 && row < rows_);
-    double* cell = &steps_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 2)];
+    double* cell = &steps_[index(row, columns_ + 2, 0)];
     // Share of the sub-pixels to the right that this piece of edge lights, as running differences.
     double before = 0;
     for (int x = first; x <= last; ++x) {
@@ -101,7 +107,8 @@ void CoverageGrid::integrate_into(double psf_sigma_px, int width_px,
     const int start = pixel * oversampling_ - lead;
     double sum = 0;
     for (int k = std::max(0, -start); k < std::min(taps, length - start); ++k) {
-      sum += kernel[static_cast<std::size_t>(k)] * line[(start + k) * stride];
+      sum += kernel[static_cast<std::size_t>(k)] *
+             line[static_cast<std::ptrdiff_t>(start + k) * stride];
     }
     return sum;
   };
@@ -109,17 +116,16 @@ void CoverageGrid::integrate_into(double psf_sigma_px, int width_px,
   std::vector<double> line(static_cast<std::size_t>(columns_));
   std::vector<double> narrow(static_cast<std::size_t>(width) * static_cast<std::size_t>(rows_));
   for (int row = 0; row < rows_; ++row) {
-    const double* step =
-        &steps_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_ + 2)];
+    const double* step = &steps_[index(row, columns_ + 2, 0)];
     double light = 0;
     for (int x = 0; x < columns_; ++x) line[static_cast<std::size_t>(x)] = light += step[x];
     for (int x = 0; x < width; ++x) {
-      narrow[static_cast<std::size_t>(row * width + x)] = weighted(line.data(), columns_, 1, x);
+      narrow[index(row, width, x)] = weighted(line.data(), columns_, 1, x);
     }
   }
   for (int y = std::max(0, -box_.top); y < std::min(height, height_px - box_.top); ++y) {
     for (int x = std::max(0, -box_.left); x < std::min(width, width_px - box_.left); ++x) {
-      image[static_cast<std::size_t>((box_.top + y) * width_px + box_.left + x)] +=
+      image[index(box_.top + y, width_px, box_.left + x)] +=
           weighted(narrow.data() + x, rows_, width, y);
     }
   }
