@@ -6,6 +6,7 @@
 #include <functional>
 #include <iostream>
 #include <map>
+#include <memory>
 
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"

@@ -51,11 +51,14 @@ bool write_all(int fd, std::string_view content) {
 
 }  // namespace
 
-Status write_file_atomically(const fs::path& path, std::string_view content) {
+Status write_file_atomically(const fs::path& named, std::string_view content) {
   std::error_code ignored;
-  if (fs::is_directory(path, ignored)) {
-    return fail(ErrorKind::cant_create, "{}: can't write: it is a folder; name a file",
-                path.string());
+  // A link stays a link: the file behind it is what is replaced.
+  const fs::path path = fs::is_symlink(named, ignored) ? fs::weakly_canonical(named) : named;
+  const fs::file_status status = fs::status(path, ignored);
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    return fail(ErrorKind::cant_create, "{}: can't write: it is {}; name a file", path.string(),
+                fs::is_directory(status) ? "a folder" : "no regular file");
   }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
   std::string temporary = (folder / ("." + path.filename().string() + ".XXXXXX")).string();

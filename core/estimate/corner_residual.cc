@@ -7,7 +7,7 @@ CornerChain::CornerChain(const CameraModel& camera, const Rigid3& cam_from_rig,
     : camera_(camera),
       cam_from_world_rotation_(
           (cam_from_rig.rotation * world_from_rig.rotation.conjugate()).toRotationMatrix()),
-      cam_in_rig_axes_(cam_from_rig.translation),
+      rig_in_cam_(cam_from_rig.translation),
       world_from_marker_rotation_(world_from_marker.rotation.toRotationMatrix()),
       marker_from_rig_in_world_(world_from_marker.translation - world_from_rig.translation) {}
 
@@ -17,8 +17,7 @@ std::optional<Eigen::Vector2d> corner_residual(const CornerChain& chain,
                                                CornerJacobians* jacobians) {
   const Eigen::Vector3d turned = chain.world_from_marker_rotation_ * x_in_marker;
   const Eigen::Vector3d from_rig = turned + chain.marker_from_rig_in_world_;
-  const Eigen::Vector3d x_in_cam =
-      chain.cam_from_world_rotation_ * from_rig + chain.cam_in_rig_axes_;
+  const Eigen::Vector3d x_in_cam = chain.cam_from_world_rotation_ * from_rig + chain.rig_in_cam_;
 
   if (jacobians == nullptr) {
     const auto pixel = chain.camera_.project(x_in_cam);

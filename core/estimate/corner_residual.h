@@ -23,7 +23,7 @@ class CornerChain {
                                                         struct CornerJacobians*);
   const CameraModel& camera_;
   Eigen::Matrix3d cam_from_world_rotation_;
-  Eigen::Vector3d cam_in_rig_axes_;  ///< cam_from_rig's translation, in the camera frame (m)
+  Eigen::Vector3d rig_in_cam_;  ///< the rig's origin in the camera frame (m)
   Eigen::Matrix3d world_from_marker_rotation_;
   Eigen::Vector3d marker_from_rig_in_world_;  ///< marker's centre less rig's origin, world axes (m)
 };

@@ -5,33 +5,20 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/square_homography.h"
+
 namespace waymark {
 namespace {
 
 using Points2 = std::array<Eigen::Vector2d, 4>;
 
-/// Homography from the unit square's corners (±1, ±1; order of `Corner`) to `q`, h33 = 1 at the
-/// centre.
+/// Homography from the square's corners (±1, ±1; order of `Corner`) to `q`, h33 = 1 at the centre.
 std::optional<Eigen::Matrix3d> homography_from_square(const Points2& q) {
-  // Heckbert's closed form for the square (0,0) (1,0) (1,1) (0,1), here bottom-left first.
-  const Eigen::Vector2d& a = q[3];
-  const Eigen::Vector2d& b = q[2];
-  const Eigen::Vector2d& c = q[1];
-  const Eigen::Vector2d& d = q[0];
-  const Eigen::Vector2d bc = b - c;
-  const Eigen::Vector2d dc = d - c;
-  const Eigen::Vector2d sum = a - b + c - d;
-  const double determinant = bc.x() * dc.y() - bc.y() * dc.x();
-  if (std::abs(determinant) < 1e-16) return std::nullopt;
-  const double g = (sum.x() * dc.y() - sum.y() * dc.x()) / determinant;
-  const double h = (bc.x() * sum.y() - bc.y() * sum.x()) / determinant;
-  Eigen::Matrix3d unit;
-  unit << b.x() - a.x() + g * b.x(), d.x() - a.x() + h * d.x(), a.x(),  //
-      b.y() - a.y() + g * b.y(), d.y() - a.y() + h * d.y(), a.y(),      //
-      g, h, 1.0;
+  const auto from_unit = homography_from_unit_square({q[3], q[2], q[1], q[0]});
+  if (!from_unit) return std::nullopt;
   Eigen::Matrix3d unit_from_square;
   unit_from_square << 0.5, 0, 0.5, 0, 0.5, 0.5, 0, 0, 1;
-  const Eigen::Matrix3d result = unit * unit_from_square;
+  const Eigen::Matrix3d result = *from_unit * unit_from_square;
   if (std::abs(result(2, 2)) < 1e-12) return std::nullopt;
   return result / result(2, 2);
 }

@@ -28,7 +28,7 @@ struct MarkerObservation {
 /// whole, because a wrong id, a moved or a half-covered marker is wrong in all its corners.
 struct ObservationLoss {
   Loss loss = Loss::huber;
-  /// (2–50 sigmas) Of Gaussian observations 99.9999 % stay below: the square root of χ²₈ there.
+  /// (2–50 sigmas) 99.998 % of Gaussian observations stay below (χ² of 8 degrees of freedom at 36).
   /// Real ones have wider tails, and keep their say.
   double scale_sigmas = 6.0;
 };

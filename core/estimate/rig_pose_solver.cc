@@ -4,17 +4,6 @@
 #include <cmath>
 
 namespace waymark {
-namespace {
-
-/// Twice the area (px²) of the corners' quadrangle.
-double double_area(const ImageCorners& c) {
-  const Eigen::Vector2d a = c[2] - c[0];
-  const Eigen::Vector2d b = c[3] - c[1];
-  return std::abs(a.x() * b.y() - a.y() * b.x());
-}
-
-}  // namespace
-
 RigPoseSolver::RigPoseSolver(const Rig& rig, const RigPoseOptions& options) : options_(options) {
   for (const RigCamera& camera : rig.cameras) {
     models_.push_back(&camera.model);
@@ -46,7 +35,7 @@ void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> o
   by_size_.clear();
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (observations[i].observation->ippe) {
-      by_size_.emplace_back(-double_area(observations[i].observation->corners_px), i);
+      by_size_.emplace_back(-area_px2(observations[i].observation->corners_px), i);
     }
   }
   std::sort(by_size_.begin(), by_size_.end());
@@ -98,16 +87,16 @@ std::optional<RigPoseEstimate> RigPoseSolver::solve(
   for (const Rigid3& prior : priors) {
     if (const auto optimum = refine(observations, prior)) keep_optimum(*optimum);
   }
-  int refined = 0;
-  for (std::size_t i = 0; i < candidates_.size() && refined < options_.max_refined; ++i) {
+  starts_.clear();
+  for (const Candidate& candidate : candidates_) {
+    if (starts_.size() == static_cast<std::size_t>(options_.max_refined)) break;
     // A start beside one already taken leads to the same optimum.
-    const auto here = candidates_.begin() + static_cast<std::ptrdiff_t>(i);
-    const bool repeated = std::any_of(candidates_.begin(), here, [&](const Candidate& earlier) {
-      return same(earlier.world_from_rig, here->world_from_rig);
+    const bool repeated = std::any_of(starts_.begin(), starts_.end(), [&](const Rigid3& taken) {
+      return same(taken, candidate.world_from_rig);
     });
     if (repeated) continue;
-    if (const auto optimum = refine(observations, here->world_from_rig)) keep_optimum(*optimum);
-    ++refined;
+    starts_.push_back(candidate.world_from_rig);
+    if (const auto optimum = refine(observations, starts_.back())) keep_optimum(*optimum);
   }
   if (optima_.empty()) return std::nullopt;
   std::stable_sort(optima_.begin(), optima_.end(),

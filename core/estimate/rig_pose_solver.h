@@ -22,7 +22,7 @@ struct RigPoseOptions {
   /// Candidates are compared by k²·log(1 + s/k²), which grows for a marker that is far off without
   /// letting it decide alone. (5–100 sigmas)
   double score_scale_sigmas = 20.0;
-  int max_seed_observations = 12;  ///< (1–1000) the largest in the image give candidates
+  int max_seed_observations = 64;  ///< (1–1000) give candidates; of more, the largest in the image
   int max_refined = 4;             ///< (2–50) candidates that are optimized
   int max_iterations = 30;         ///< (1–200) of Levenberg–Marquardt
   /// The runner-up explains the data too when its cost exceeds the best's by less (sigmas²): 20 is
@@ -41,7 +41,7 @@ struct RigPoseEstimate {
 };
 
 /// Algorithm 1: the pose of a rig from the observations of one frame set against fixed markers
-/// (eq. 9). Seeded by both IPPE solutions of the largest observations of all cameras, each scored
+/// (eq. 9). Seeded by both IPPE solutions of all observations of all cameras, each scored
 /// on all observations, so that a flipped marker can't win (the paper's eq. 10 trusts the one
 /// marker that fits itself best). Holds its working memory: one solver per thread, reused.
 class RigPoseSolver {
@@ -76,6 +76,7 @@ class RigPoseSolver {
   std::vector<Rigid3> cam_from_rig_;
   std::vector<std::pair<double, std::size_t>> by_size_;
   std::vector<Candidate> candidates_;
+  std::vector<Rigid3> starts_;
   std::vector<PoseOptimum> optima_;
 };
 

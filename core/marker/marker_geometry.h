@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 
 namespace waymark {
 
@@ -16,6 +17,13 @@ using ImageCorners = std::array<Eigen::Vector2d, 4>;
 [[nodiscard]] inline std::array<Eigen::Vector3d, 4> marker_corners(double size_m) {
   const double s = 0.5 * size_m;
   return {{{-s, s, 0}, {s, s, 0}, {s, -s, 0}, {-s, -s, 0}}};
+}
+
+/// Area (px²) of the corners' quadrangle.
+[[nodiscard]] inline double area_px2(const ImageCorners& corners) {
+  const Eigen::Vector2d a = corners[2] - corners[0];
+  const Eigen::Vector2d b = corners[3] - corners[1];
+  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
 }
 
 }  // namespace waymark

@@ -51,8 +51,24 @@ void print_warnings(const BuildResult& result, const ObservationTable& table, st
                result.submaps.size());
   }
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
-    if (!result.submaps[i].converged) {
-      fmt::print(notes, "warning: sub-map {}: the joint adjustment did not converge\n", i);
+    const BuiltSubMap& submap = result.submaps[i];
+    if (!submap.settled) {
+      fmt::print(notes,
+                 "warning: sub-map {}: adjustment and gate did not come to rest; look at its "
+                 "residuals before you trust it\n",
+                 i);
+    }
+    if (!submap.covariances_known) {
+      fmt::print(notes,
+                 "warning: sub-map {}: the observations don't fix all markers against each other; "
+                 "its covariances are unknown and stand as zero\n",
+                 i);
+    }
+    if (submap.model_sigma_px >= kLargestModelSigma) {
+      fmt::print(
+          notes,
+          "warning: sub-map {}: corners are {} px off and more; check rig.yaml, sizes and ids\n", i,
+          kLargestModelSigma);
     }
   }
   if (!result.unmapped.empty()) {
@@ -66,16 +82,7 @@ void print_warnings(const BuildResult& result, const ObservationTable& table, st
   if (!result.without_markers.empty()) {
     fmt::print(notes, "note: {} frame sets see no usable marker\n", result.without_markers.size());
   }
-  if (table.repeated_in_image > 0) {
-    fmt::print(notes,
-               "warning: {} detections left out, their id was found twice in one image; is a "
-               "marker printed twice?\n",
-               table.repeated_in_image);
-  }
-  if (table.degenerate > 0) {
-    fmt::print(notes, "note: {} detections left out, their corners are no view of a square\n",
-               table.degenerate);
-  }
+  print_table_notes(table, notes);
 }
 
 }  // namespace
@@ -85,6 +92,11 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   if (auto writable = check_writable(options.output); !writable) return writable;
   if (options.trajectory) {
     if (auto writable = check_writable(*options.trajectory); !writable) return writable;
+    if (std::filesystem::weakly_canonical(*options.trajectory) ==
+        std::filesystem::weakly_canonical(options.output)) {
+      return fail(ErrorKind::usage, "{}: named for both the map and the trajectory; name two files",
+                  options.output.string());
+    }
   }
   auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
@@ -109,6 +121,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     return fail(ErrorKind::bad_data, "{}: {} sub-maps, and --strict asks for one; nothing written",
                 options.output.string(), result.submaps.size());
   }
+  if (auto written = write_map_file(options.output, result.map); !written) return written;
   if (options.trajectory) {
     for (std::size_t i = 0; i < result.submaps.size(); ++i) {
       if (auto written =
@@ -118,7 +131,6 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
       }
     }
   }
-  if (auto written = write_map_file(options.output, result.map); !written) return written;
   print_summary(result, *table, out);
   fmt::print(out, "{}: map {}, built in {:.2f} s\n", options.output.string(),
              content_hash(result.map), elapsed.count());

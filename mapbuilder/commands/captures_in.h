@@ -32,4 +32,7 @@ struct CaptureInput {
 /// writable, or it is a folder.
 [[nodiscard]] Status check_writable(const std::filesystem::path& path);
 
+/// What the user should know of observations that could not be used.
+void print_table_notes(const ObservationTable& table, std::ostream& notes);
+
 }  // namespace waymark

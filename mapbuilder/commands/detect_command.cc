@@ -11,7 +11,7 @@ namespace waymark {
 Status run_detect(const DetectOptions& options, Progress& progress, std::ostream& out,
                   std::ostream& notes) {
   const auto output = options.output.value_or(options.capture / "detections.csv");
-  if (std::filesystem::exists(options.capture)) {
+  if (std::error_code ignored; std::filesystem::exists(options.capture, ignored)) {
     if (auto writable = check_writable(output); !writable) return writable;
   }
   DetectCaptureOptions detect;

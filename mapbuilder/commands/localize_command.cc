@@ -30,6 +30,7 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
                 options.input.paths.front().string(), table->observations.size(),
                 options.map.string());
   }
+  print_table_notes(*table, notes);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RelocalizedSubMap& result = results[i];
     if (auto written = write_trajectory(options.trajectory, i, *table, result.trajectory);

@@ -29,12 +29,6 @@ class DisjointSets {
   std::vector<std::size_t> parent_;
 };
 
-double area_px2(const ImageCorners& c) {
-  const Eigen::Vector2d a = c[2] - c[0];
-  const Eigen::Vector2d b = c[3] - c[1];
-  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
-}
-
 }  // namespace
 
 std::vector<Component> connected_components(const ObservationTable& table,

@@ -1,5 +1,6 @@
 #include "mapbuilder/mapping/detect_capture.h"
 
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -107,6 +108,12 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
 Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport& report) {
   auto table = read_detections_csv(*capture.detections_csv, capture.rig, capture.catalog);
   if (!table) return tl::make_unexpected(table.error());
+  const bool ours = table->detector.rfind("waymark-", 0) == 0;
+  if (ours && table->detector != detector_name()) {
+    return fail(ErrorKind::bad_data,
+                "{}: made by {}, this is {}: stale; run mapbuilder detect again, or remove it",
+                capture.detections_csv->string(), table->detector, detector_name());
+  }
   report.from_csv = true;
   report.images = table->images.size();
   for (const ImageDetections& image : table->images) report.detections += image.detections.size();

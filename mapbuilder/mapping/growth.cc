@@ -12,12 +12,6 @@ namespace {
 /// anything less is rounding.
 constexpr double kWorthChanging = 1.0;
 
-double double_area(const ImageCorners& c) {
-  const Eigen::Vector2d a = c[2] - c[0];
-  const Eigen::Vector2d b = c[3] - c[1];
-  return std::abs(a.x() * b.y() - a.y() * b.x());
-}
-
 /// One rig pose solver per rig of the table: a worker thread's tools.
 std::vector<RigPoseSolver> solvers_for(const ObservationTable& table,
                                        const RigPoseOptions& options) {
@@ -65,7 +59,14 @@ std::optional<RigPoseEstimate> Growth::solve_afresh(
     same.best = *here;
     return same;
   }
-  return solver.solve(observations, {&known->best.pose, 1});
+  auto fresh = solver.solve(observations, {&known->best.pose, 1});
+  // A near tie is no reason to jump: the known pose stays first.
+  if (fresh && here && fresh->runner_up && fresh->best.cost > here->cost - kWorthChanging &&
+      differ(fresh->best.pose, here->pose)) {
+    fresh->runner_up = fresh->best;
+    fresh->best = *here;
+  }
+  return fresh;
 }
 
 bool Growth::differ(const Rigid3& a, const Rigid3& b) const {
@@ -119,8 +120,8 @@ std::vector<PlacementView> Growth::placement_views(const MapState& state, int ma
   // variety. By size alone, so that neither stamps nor order decide.
   if (usable.size() > most) {
     std::stable_sort(usable.begin(), usable.end(), [&](std::size_t a, std::size_t b) {
-      return double_area(table_.observations[a].corners_px) >
-             double_area(table_.observations[b].corners_px);
+      return area_px2(table_.observations[a].corners_px) >
+             area_px2(table_.observations[b].corners_px);
     });
     const std::size_t largest = most / 2;
     const std::size_t spread = most - largest;

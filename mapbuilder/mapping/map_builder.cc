@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "core/base/check.h"
@@ -64,13 +65,12 @@ class ComponentBuilder {
         });
     progress_.end();
     settle(growth);
-    put_anchor_at_origin();
   }
 
   [[nodiscard]] const MapState& state() const { return state_; }
   [[nodiscard]] const std::vector<std::size_t>& observations() const { return observations_; }
   [[nodiscard]] double model_sigma_px() const { return noise_.model_sigma_px; }
-  [[nodiscard]] bool converged() const { return converged_; }
+  [[nodiscard]] bool settled() const { return settled_; }
 
  private:
   /// Adjusts jointly; frame sets with one accepted marker take no part and follow.
@@ -118,25 +118,14 @@ class ComponentBuilder {
                        fmt::format("model sigma {:.3f} px", noise_.model_sigma_px));
       if (reconsidered + gated == 0 && noise_change < kNoiseSettled) break;
     }
-    const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14});
-    converged_ = summary.converged || summary.observations == 0;
-    update_gate(table_, observations_, options_.gate, state_);
+    // The last adjustment is one of exactly the observations that the last gate accepts.
+    constexpr int kMostPolishes = 5;
+    for (int polish = 0; polish < kMostPolishes && !settled_; ++polish) {
+      const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14});
+      const bool converged = summary.converged || summary.observations == 0;
+      settled_ = converged && update_gate(table_, observations_, options_.gate, state_) == 0;
+    }
     progress_.end();
-  }
-
-  /// The seed's rig frame is the world (paper §III-F.1).
-  void put_anchor_at_origin() {
-    const auto& anchor = state_.rigs[static_cast<std::size_t>(anchor_)];
-    if (!anchor) return;
-    const Rigid3 new_from_old = anchor->best.pose.inverse();
-    for (auto& marker : state_.world_from_marker) {
-      if (marker) marker = new_from_old * *marker;
-    }
-    for (auto& rig : state_.rigs) {
-      if (!rig) continue;
-      rig->best.pose = new_from_old * rig->best.pose;
-      if (rig->runner_up) rig->runner_up->pose = new_from_old * rig->runner_up->pose;
-    }
   }
 
   ObservationTable& table_;
@@ -147,7 +136,7 @@ class ComponentBuilder {
   MapState state_;
   std::vector<std::size_t> observations_;
   int anchor_ = -1;
-  bool converged_ = false;
+  bool settled_ = false;
 };
 
 /// Marks each observation that the finished map rests on.
@@ -167,7 +156,7 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
   const MapState& state = built.state();
   BuiltSubMap result;
   result.model_sigma_px = built.model_sigma_px();
-  result.converged = built.converged();
+  result.settled = built.settled();
 
   const std::set<int> part_sets(part.frame_sets.begin(), part.frame_sets.end());
   std::vector<std::size_t> observations;
@@ -177,11 +166,18 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
   }
   result.observations = observations.size();
 
+  std::map<int, int> accepted_in_set;
+  for (const std::size_t index : observations) {
+    accepted_in_set[table.observations[index].frame_set] += state.accepted[index];
+  }
+
   ResidualSum inliers;
   ResidualSum all;
   std::vector<ResidualSum> per_marker(table.markers.size());
   std::vector<std::uint32_t> rejected(table.markers.size(), 0);
   std::vector<std::uint32_t> accepted(table.markers.size(), 0);
+  // Views by rigs that other markers place as well: only these can contradict a marker's place.
+  std::vector<std::uint32_t> independent(table.markers.size(), 0);
   for (const std::size_t index : observations) {
     const TableObservation& o = table.observations[index];
     const auto marker = static_cast<std::size_t>(o.marker);
@@ -194,37 +190,46 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
       continue;
     }
     ++accepted[marker];
+    independent[marker] += accepted_in_set[o.frame_set] >= 2 ? 1 : 0;
     inliers.add(*residuals);
     per_marker[marker].add(*residuals);
   }
   result.map.rms_px = inliers.rms_px();
   result.map.rms_all_px = all.rms_px();
 
+  // The seed's rig frame is the world (paper §III-F.1), of each rigid part its own.
+  const auto seed = static_cast<std::size_t>(choose_seed(table, part));
+  const Rigid3 world_from_built = state.rigs[seed]->best.pose.inverse();
   for (const int frame_set : part.frame_sets) {
     const RigPoseEstimate& rig = *state.rigs[static_cast<std::size_t>(frame_set)];
     if (rig.ambiguous) {
       result.ambiguous.push_back(frame_set);
     } else {
-      result.trajectory.push_back({frame_set, rig.best.pose});
+      result.trajectory.push_back({frame_set, world_from_built * rig.best.pose});
     }
   }
   result.map.frame_sets = static_cast<std::uint32_t>(result.trajectory.size());
 
   const ReducedMarkerSystem system = reduce_to_markers(table, observations, loss, state);
   const std::vector<Matrix6d> covariances = marker_covariances(system, state);
+  result.covariances_known = !covariances.empty() || part.markers.size() < 2;
+  const Matrix6d turn = left_motion_jacobian(world_from_built);
   for (const int index : part.markers) {
     const auto m = static_cast<std::size_t>(index);
     MapMarker marker;
     marker.id = table.markers[m];
     marker.stated_size_m = marker.size_m = table.sizes_m[m];
-    marker.world_from_marker = *state.world_from_marker[m];
+    marker.world_from_marker = world_from_built * *state.world_from_marker[m];
     marker.observations = accepted[m];
     marker.rejected = rejected[m];
     marker.rms_px = per_marker[m].rms_px();
-    marker.verified = accepted[m] >= 2;
+    marker.verified = independent[m] >= 2;
     const auto slot = std::lower_bound(system.markers.begin(), system.markers.end(), index);
     if (!covariances.empty() && slot != system.markers.end() && *slot == index) {
-      marker.covariance = covariances[static_cast<std::size_t>(slot - system.markers.begin())];
+      const Matrix6d& covariance =
+          covariances[static_cast<std::size_t>(slot - system.markers.begin())];
+      const Matrix6d turned = turn * covariance * turn.transpose();
+      marker.covariance = 0.5 * (turned + turned.transpose());
     }
     result.map.markers.push_back(marker);
   }
@@ -238,7 +243,7 @@ BuildResult build_map(ObservationTable& table, const BuildOptions& options, Prog
   result.map.builder_version = WAYMARK_VERSION;
   result.map.capture_fingerprints = table.capture_fingerprints;
   std::sort(result.map.capture_fingerprints.begin(), result.map.capture_fingerprints.end());
-  result.map.rig_fingerprint = fingerprint(table.rigs.front());
+  result.map.rig_fingerprint = table.rig_fingerprint;
 
   std::set<int> mapped;
   std::set<int> localized;

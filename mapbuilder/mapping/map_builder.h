@@ -34,10 +34,11 @@ struct BuiltSubMap {
   std::vector<LocalizedFrameSet> trajectory;  ///< by rising table index; unambiguous ones only
   std::vector<int>
       ambiguous;  ///< frame sets whose runner-up explains their data too; in no trajectory
-  double model_sigma_px = 0;     ///< estimated, per axis
-  std::size_t observations = 0;  ///< of mapped markers in localized frame sets
-  std::size_t rejected = 0;      ///< of these, by the gate
-  bool converged = false;
+  double model_sigma_px = 0;       ///< estimated, per axis
+  std::size_t observations = 0;    ///< of mapped markers in localized frame sets
+  std::size_t rejected = 0;        ///< of these, by the gate
+  bool settled = false;            ///< converged, with gate, flips and noise at rest
+  bool covariances_known = false;  ///< false: the map's covariances are zero and mean nothing
 };
 
 /// What a build gives.

@@ -90,15 +90,16 @@ std::optional<PlacementEstimate> place_marker(std::span<const PlacementView> vie
   };
   const std::vector<Hypothesis> hypotheses = scored_hypotheses(views, options);
   std::vector<PoseOptimum> optima;
-  int refined = 0;
-  for (std::size_t i = 0; i < hypotheses.size() && refined < options.max_refined; ++i) {
-    const auto here = hypotheses.begin() + static_cast<std::ptrdiff_t>(i);
-    const bool repeated = std::any_of(hypotheses.begin(), here, [&](const Hypothesis& earlier) {
-      return same(earlier.world_from_marker, here->world_from_marker);
+  std::vector<Rigid3> starts;
+  for (const Hypothesis& hypothesis : hypotheses) {
+    if (starts.size() == static_cast<std::size_t>(options.max_refined)) break;
+    // A start beside one already taken leads to the same optimum.
+    const bool repeated = std::any_of(starts.begin(), starts.end(), [&](const Rigid3& taken) {
+      return same(taken, hypothesis.world_from_marker);
     });
     if (repeated) continue;
-    ++refined;
-    const auto optimum = refine(views, here->world_from_marker, options);
+    starts.push_back(hypothesis.world_from_marker);
+    const auto optimum = refine(views, starts.back(), options);
     if (!optimum) continue;
     const auto known = std::find_if(optima.begin(), optima.end(), [&](const PoseOptimum& o) {
       return same(o.pose, optimum->pose);

@@ -7,9 +7,12 @@
 namespace waymark {
 namespace {
 
-/// Of the squared corner residuals. A median would call the tails of a real camera's model error
-/// outliers; this bears up to a tenth of true outliers.
+/// Of the squared corner residuals that are no gross errors. A median would call the tails of a
+/// real camera's model error outliers.
 constexpr double kQuantile = 0.9;
+
+/// In sigmas of the median: farther off is a gross error, as long as these are fewer than half.
+constexpr double kGrossSigmas = 20.0;
 
 Eigen::Matrix2d corner_covariance(const TableObservation& o, std::size_t corner,
                                   const NoiseModel& noise, double paper_weight) {
@@ -64,34 +67,44 @@ double estimate_model_sigma_px(const ObservationTable& table, const MapState& st
   }
   if (samples.empty()) return noise.model_sigma_px;
 
-  const double expected = -2.0 * std::log(1.0 - kQuantile) * std::max(0.05, 1.0 - parameter_share);
-  std::vector<double> squared(samples.size());
-  const auto quantile_at = [&](double sigma_px) {
+  const double freedom = std::max(0.05, 1.0 - parameter_share);
+  const auto squared_at = [&](const CornerSample& s, double sigma_px) {
     NoiseModel trial = noise;
     trial.model_sigma_px = sigma_px;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const CornerSample& s = samples[i];
-      const TableObservation& o = table.observations[s.observation];
-      const Eigen::Matrix2d w =
-          whitening_from_covariance(corner_covariance(o, s.corner, trial, s.weight));
-      squared[i] = (w * s.residual).squaredNorm();
-    }
-    const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(
-                                              kQuantile * static_cast<double>(squared.size()));
-    std::nth_element(squared.begin(), middle, squared.end());
-    return *middle;
+    const TableObservation& o = table.observations[s.observation];
+    return (whitening_from_covariance(corner_covariance(o, s.corner, trial, s.weight)) * s.residual)
+        .squaredNorm();
   };
-  constexpr int kBisections = 14;  // of a range of 1000: to 0.04 %
-  // The quantile falls as sigma grows: bisection on its logarithm.
-  double low = kSmallestModelSigma;
-  double high = kLargestModelSigma;
-  if (quantile_at(low) <= expected) return low;
-  if (quantile_at(high) >= expected) return high;
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = std::sqrt(low * high);
-    (quantile_at(middle) > expected ? low : high) = middle;
-  }
-  return std::sqrt(low * high);
+  std::vector<double> squared;
+  // Sigma at which the samples' `quantile` is what Gaussian noise would give: it falls as sigma
+  // grows, so bisection on the logarithm.
+  const auto sigma_by = [&](double quantile) {
+    constexpr int kBisections = 14;  // of a range of 1000: to 0.04 %
+    const double expected = -2.0 * std::log(1.0 - quantile) * freedom;
+    const auto reached = [&](double sigma_px) {
+      squared.resize(samples.size());
+      std::transform(samples.begin(), samples.end(), squared.begin(),
+                     [&](const CornerSample& s) { return squared_at(s, sigma_px); });
+      const auto at = squared.begin() +
+                      static_cast<std::ptrdiff_t>(quantile * static_cast<double>(squared.size()));
+      std::nth_element(squared.begin(), at, squared.end());
+      return *at;
+    };
+    double low = kSmallestModelSigma;
+    double high = kLargestModelSigma;
+    if (reached(low) <= expected) return low;
+    if (reached(high) >= expected) return high;
+    for (int i = 0; i < kBisections; ++i) {
+      const double middle = std::sqrt(low * high);
+      (reached(middle) > expected ? low : high) = middle;
+    }
+    return std::sqrt(low * high);
+  };
+  const double typical = sigma_by(0.5);
+  std::erase_if(samples, [&](const CornerSample& s) {
+    return squared_at(s, typical) > kGrossSigmas * kGrossSigmas;
+  });
+  return sigma_by(kQuantile);
 }
 
 }  // namespace waymark

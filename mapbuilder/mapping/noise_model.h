@@ -33,7 +33,8 @@ void set_whitening(ObservationTable& table, const NoiseModel& noise);
 
 /// σ_model at which the 90 % quantile of the squared corner residuals (2 degrees of freedom) in
 /// sigmas is what Gaussian noise would give (−2 ln 0.1), corrected for `parameter_share`: the
-/// number of estimated parameters per residual component, in [0, 1). Looks at the given
+/// number of estimated parameters per residual component, in [0, 1). Corners that are 20 times
+/// farther off than the median tells are left out, so up to half may be wrong. Looks at the given
 /// observations (both ends posed); without any: the noise model's own value.
 [[nodiscard]] double estimate_model_sigma_px(const ObservationTable& table, const MapState& state,
                                              std::span<const std::size_t> observations,

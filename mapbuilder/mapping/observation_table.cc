@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include "core/base/parallel.h"
@@ -231,7 +232,13 @@ Expected<ObservationTable> make_observation_table(std::vector<DetectedCapture> c
   }
   std::sort(order.begin(), order.end());
 
+  std::set<std::string> rigs;
+  for (const DetectedCapture& capture : captures) rigs.insert(fingerprint(capture.rig));
+  Fingerprint all_rigs;
+  for (const std::string& rig : rigs) all_rigs.add(rig);
+
   TableMaker maker(options);
+  maker.table.rig_fingerprint = rigs.size() == 1 ? *rigs.begin() : all_rigs.hexadecimal();
   for (const auto& [marker, size] : *sizes) {
     maker.marker_index.emplace(marker, static_cast<int>(maker.table.markers.size()));
     maker.table.markers.push_back(marker);

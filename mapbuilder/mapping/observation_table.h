@@ -50,6 +50,7 @@ struct ObservationTable {
   std::vector<Rig> rigs;
   std::vector<std::string> capture_names;  ///< canonical order
   std::vector<std::string> capture_fingerprints;
+  std::string rig_fingerprint;    ///< of all different rigs together
   std::vector<MarkerId> markers;  ///< rising
   std::vector<double> sizes_m;    ///< stated, per marker
   std::vector<TableFrameSet> frame_sets;

@@ -193,7 +193,11 @@ std::vector<Matrix6d> marker_covariances(const ReducedMarkerSystem& system, cons
     const Matrix6d moved = n.middleRows<6>(6 * i) * gauge;
     const Matrix6d cross = moved * cg.middleRows<6>(6 * i).transpose();
     const Matrix6d full = own - cross - cross.transpose() + moved * gcg * moved.transpose();
-    covariances.emplace_back(0.5 * (full + full.transpose()));
+    // A difference of large numbers: rounding may leave an eigenvalue a little below zero.
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (full + full.transpose()));
+    const Matrix6d root =
+        eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    covariances.emplace_back(root * root.transpose());
   }
   return covariances;
 }

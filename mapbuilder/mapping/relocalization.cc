@@ -68,7 +68,16 @@ RelocalizedSubMap relocalize_in(ObservationTable& table, const SubMap& submap,
   set_whitening(table, noise);
   growth.localize_all(state);
   result.model_sigma_px = noise.model_sigma_px;
+  // A pose that only rejected observations speak for is none.
+  std::map<int, int> accepted_in;
+  for (const std::size_t i : observations)
+    accepted_in[table.observations[i].frame_set] += state.accepted[i];
+  for (const auto& [frame_set, accepted] : accepted_in) {
+    if (accepted == 0) state.rigs[static_cast<std::size_t>(frame_set)].reset();
+  }
 
+  std::size_t inlier_corners = 0;
+  std::size_t all_corners = 0;
   double inlier_sum = 0;
   double all_sum = 0;
   for (const std::size_t i : observations) {
@@ -79,16 +88,19 @@ RelocalizedSubMap relocalize_in(ObservationTable& table, const SubMap& submap,
     ++result.observations;
     if (state.accepted[i] == 0 || !residuals) ++result.rejected;
     if (!residuals) continue;
-    for (const Eigen::Vector2d& r : *residuals) {
-      all_sum += r.squaredNorm();
-      if (state.accepted[i] != 0) inlier_sum += r.squaredNorm();
-    }
+    double sum = 0;
+    for (const Eigen::Vector2d& r : *residuals) sum += r.squaredNorm();
+    all_sum += sum;
+    all_corners += 4;
+    if (state.accepted[i] == 0) continue;
+    inlier_sum += sum;
+    inlier_corners += 4;
   }
-  const auto rms = [](double sum, std::size_t count) {
-    return count == 0 ? 0.0 : std::sqrt(sum / (4.0 * static_cast<double>(count)));
+  const auto rms = [](double sum, std::size_t corners) {
+    return corners == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(corners));
   };
-  result.rms_all_px = rms(all_sum, result.observations);
-  result.rms_px = rms(inlier_sum, result.observations - result.rejected);
+  result.rms_all_px = rms(all_sum, all_corners);
+  result.rms_px = rms(inlier_sum, inlier_corners);
   for (const auto& [frame_set, count] : seen) {
     result.candidates += count >= 2 ? 1 : 0;
     const auto& rig = state.rigs[static_cast<std::size_t>(frame_set)];
