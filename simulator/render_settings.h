@@ -25,7 +25,7 @@ struct RenderSettings {
   // Motion.
   double exposure_s = 0.0;  ///< 0: frozen
   double readout_s = 0.0;   ///< first to last row; 0: global shutter
-  int sub_exposures = 16;   ///< over which motion is averaged, at most
+  int sub_exposures = 12;   ///< over which motion is averaged, at most
 
   // Sensor.
   double white_level = 205;    ///< grey level of white paper at irradiance 1 in the image's centre;

@@ -17,8 +17,9 @@ double blur_sigma_px(const RenderSettings& settings) {
   return std::hypot(settings.psf_sigma_px, settings.defocus_sigma_px);
 }
 
-/// A moving image is the mean of images at most this far apart, which lens and pixel smooth over.
-constexpr double kSubExposureStep_px = 0.5;
+/// A moving image is the mean of images this far apart: a lens of 0.7 px sigma leaves
+/// 2·exp(−2π²·0.7²) = 0.01 % of the ripple between them.
+constexpr double kSubExposureStep_px = 1.0;
 
 /// Sub-exposures that a motion needs, by the rig's turn and its shift before a wall at 1 m.
 int needed_sub_exposures(const RenderSettings& settings, const CameraModel& camera,
