@@ -48,7 +48,7 @@ void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> o
     const Rigid3& cam_from_rig = cam_from_rig_[static_cast<std::size_t>(fixed.observation->camera)];
     for (const Rigid3& cam_from_marker : fixed.observation->ippe->cam_from_marker) {
       const Rigid3 pose = fixed.world_from_marker * cam_from_marker.inverse() * cam_from_rig;
-      candidates_.push_back({pose, score(observations, pose)});
+      candidates_.push_back({pose, score(observations, pose), index});
     }
   }
   std::stable_sort(candidates_.begin(), candidates_.end(),
@@ -99,13 +99,19 @@ std::optional<RigPoseEstimate> RigPoseSolver::solve(
     if (const auto optimum = refine(observations, starts_.back())) keep_optimum(*optimum);
   }
   if (optima_.empty()) return std::nullopt;
-  std::stable_sort(optima_.begin(), optima_.end(),
-                   [](const PoseOptimum& a, const PoseOptimum& b) { return a.cost < b.cost; });
+  // Ranked by score, not by Huber's cost: one wrong marker behind a camera must not outweigh three
+  // right ones in front of it.
+  ranked_.clear();
+  for (std::size_t i = 0; i < optima_.size(); ++i) {
+    ranked_.push_back({optima_[i].pose, score(observations, optima_[i].pose), i});
+  }
+  std::stable_sort(ranked_.begin(), ranked_.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
   RigPoseEstimate estimate;
-  estimate.best = optima_.front();
-  if (optima_.size() > 1) {
-    estimate.runner_up = optima_[1];
-    estimate.ambiguous = optima_[1].cost - optima_[0].cost < options_.ambiguity_gap;
+  estimate.best = optima_[ranked_[0].index];
+  if (ranked_.size() > 1) {
+    estimate.runner_up = optima_[ranked_[1].index];
+    estimate.ambiguous = ranked_[1].score - ranked_[0].score < options_.ambiguity_gap;
   }
   return estimate;
 }

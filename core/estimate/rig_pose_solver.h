@@ -25,7 +25,7 @@ struct RigPoseOptions {
   int max_seed_observations = 64;  ///< (1–1000) give candidates; of more, the largest in the image
   int max_refined = 4;             ///< (2–50) candidates that are optimized
   int max_iterations = 30;         ///< (1–200) of Levenberg–Marquardt
-  /// The runner-up explains the data too when its cost exceeds the best's by less (sigmas²): 20 is
+  /// The runner-up explains the data too when its score exceeds the best's by less (sigmas²): 20 is
   /// the 99.7 % quantile of χ² with 6 degrees of freedom. (0–1000)
   double ambiguity_gap = 20.0;
   /// Two solutions are distinct when they differ by more than this. (0.1–30°, 1 mm–1 m)
@@ -62,7 +62,8 @@ class RigPoseSolver {
  private:
   struct Candidate {
     Rigid3 world_from_rig;
-    double score = 0;
+    double score = 0;       ///< sigmas², bounded growth
+    std::size_t index = 0;  ///< of the observation or optimum it stems from
   };
 
   void collect_candidates(std::span<const FixedMarkerObservation> observations);
@@ -78,6 +79,7 @@ class RigPoseSolver {
   std::vector<Candidate> candidates_;
   std::vector<Rigid3> starts_;
   std::vector<PoseOptimum> optima_;
+  std::vector<Candidate> ranked_;
 };
 
 /// Eq. 10, the paper's seed, for comparison: world_from_rig by the one observation whose own IPPE

@@ -59,14 +59,7 @@ std::optional<RigPoseEstimate> Growth::solve_afresh(
     same.best = *here;
     return same;
   }
-  auto fresh = solver.solve(observations, {&known->best.pose, 1});
-  // A near tie is no reason to jump: the known pose stays first.
-  if (fresh && here && fresh->runner_up && fresh->best.cost > here->cost - kWorthChanging &&
-      differ(fresh->best.pose, here->pose)) {
-    fresh->runner_up = fresh->best;
-    fresh->best = *here;
-  }
-  return fresh;
+  return solver.solve(observations, {&known->best.pose, 1});
 }
 
 bool Growth::differ(const Rigid3& a, const Rigid3& b) const {
@@ -186,9 +179,9 @@ void Growth::grow(int seed, MapState& state, const AdjustJointly& adjust, const 
     std::vector<int> accepted;
     int clearest = -1;
     for (const int marker : waiting) {
-      const double gap = estimate[static_cast<std::size_t>(marker)]->gap();
+      const double gap = estimate[static_cast<std::size_t>(marker)]->gap;
       if (gap >= options_.placement_gap) accepted.push_back(marker);
-      if (clearest < 0 || gap > estimate[static_cast<std::size_t>(clearest)]->gap()) {
+      if (clearest < 0 || gap > estimate[static_cast<std::size_t>(clearest)]->gap) {
         clearest = marker;
       }
     }
@@ -265,10 +258,10 @@ std::size_t Growth::reconsider(MapState& state) const {
     if (!estimate) return;
     if (!differ(estimate->best.pose, current)) return;
     const auto all_views = placement_views(state, markers[i], table_.observations.size());
-    const auto cost = [&](const Rigid3& pose) {
-      return placement_cost(all_views, pose, options_.placement.loss);
+    const auto score = [&](const Rigid3& pose) {
+      return placement_score(all_views, pose, options_.placement);
     };
-    if (cost(estimate->best.pose) < cost(current) - kWorthChanging) {
+    if (score(estimate->best.pose) < score(current) - kWorthChanging) {
       replacement[i] = estimate->best.pose;
     }
   });

@@ -43,8 +43,9 @@ class Growth {
   void grow(int seed, MapState& state, const AdjustJointly& adjust, const Report& report);
 
   /// A flip chosen early is reconsidered: every localized frame set and every placed marker of the
-  /// component is solved afresh from all its IPPE solutions on its accepted observations, and
-  /// replaced where that explains the data better by more than 1 sigma². Returns how many were.
+  /// component is solved afresh from all its IPPE solutions on its accepted observations; the best
+  /// takes the place of what was known (a marker only when it scores better by more than 1 sigma²
+  /// over all its views). Returns how many moved.
   std::size_t reconsider(MapState& state) const;
 
   /// Localizes (again) every frame set of the component against the markers that are placed. Those

@@ -42,14 +42,9 @@ struct Hypothesis {
 
 std::vector<Hypothesis> scored_hypotheses(std::span<const PlacementView> views,
                                           const PlacementOptions& options) {
-  const double k2 = options.score_scale_sigmas * options.score_scale_sigmas;
   std::vector<Hypothesis> hypotheses;
   const auto add = [&](const Rigid3& world_from_marker) {
-    double score = 0;
-    for (const PlacementView& view : views) {
-      score += k2 * std::log1p(better_rig_pose(view, world_from_marker).second / k2);
-    }
-    hypotheses.push_back({world_from_marker, score});
+    hypotheses.push_back({world_from_marker, placement_score(views, world_from_marker, options)});
   };
   for (const PlacementView& view : views) {
     if (!view.observation->ippe) continue;
@@ -68,18 +63,14 @@ std::vector<Hypothesis> scored_hypotheses(std::span<const PlacementView> views,
 
 }  // namespace
 
-double PlacementEstimate::gap() const {
-  return runner_up ? runner_up->cost - best.cost : std::numeric_limits<double>::infinity();
-}
-
-double placement_cost(std::span<const PlacementView> views, const Rigid3& world_from_marker,
-                      const ObservationLoss& loss) {
-  double cost = 0;
+double placement_score(std::span<const PlacementView> views, const Rigid3& world_from_marker,
+                       const PlacementOptions& options) {
+  const double k2 = options.score_scale_sigmas * options.score_scale_sigmas;
+  double score = 0;
   for (const PlacementView& view : views) {
-    cost +=
-        robust_cost(loss.loss, loss.scale_sigmas, better_rig_pose(view, world_from_marker).second);
+    score += k2 * std::log1p(better_rig_pose(view, world_from_marker).second / k2);
   }
-  return cost;
+  return score;
 }
 
 std::optional<PlacementEstimate> place_marker(std::span<const PlacementView> views,
@@ -111,10 +102,18 @@ std::optional<PlacementEstimate> place_marker(std::span<const PlacementView> vie
     }
   }
   if (optima.empty()) return std::nullopt;
-  std::stable_sort(optima.begin(), optima.end(),
-                   [](const PoseOptimum& a, const PoseOptimum& b) { return a.cost < b.cost; });
-  PlacementEstimate estimate{optima[0], std::nullopt};
-  if (optima.size() > 1) estimate.runner_up = optima[1];
+  // Ranked as the rig pose solver ranks: a wrong view must not outweigh several right ones.
+  std::vector<std::pair<double, std::size_t>> ranked;
+  for (std::size_t i = 0; i < optima.size(); ++i) {
+    ranked.emplace_back(placement_score(views, optima[i].pose, options), i);
+  }
+  std::sort(ranked.begin(), ranked.end());
+  PlacementEstimate estimate;
+  estimate.best = optima[ranked[0].second];
+  if (ranked.size() > 1) {
+    estimate.runner_up = optima[ranked[1].second];
+    estimate.gap = ranked[1].first - ranked[0].first;
+  }
   return estimate;
 }
 

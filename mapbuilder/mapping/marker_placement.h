@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -32,8 +33,8 @@ struct PlacementOptions {
 struct PlacementEstimate {
   PoseOptimum best;                      ///< world_from_marker
   std::optional<PoseOptimum> runner_up;  ///< the best distinct one, the flipped one as a rule
-  /// Cost by which the runner-up is worse (sigmas²); infinite without one.
-  [[nodiscard]] double gap() const;
+  /// Score by which the runner-up is worse (sigmas²); infinite without one.
+  double gap = std::numeric_limits<double>::infinity();
 };
 
 /// Places a marker (paper §III-F.3) by all its views at once: both IPPE solutions of every view (by
@@ -42,9 +43,10 @@ struct PlacementEstimate {
 [[nodiscard]] std::optional<PlacementEstimate> place_marker(std::span<const PlacementView> views,
                                                             const PlacementOptions& options);
 
-/// Total robust cost of a marker's pose over its views, each with the rig pose that suits it
-/// better.
-[[nodiscard]] double placement_cost(std::span<const PlacementView> views,
-                                    const Rigid3& world_from_marker, const ObservationLoss& loss);
+/// How ill a marker's pose suits its views, each with the rig pose that suits it better:
+/// Σ k² log(1 + s/k²), sigmas².
+[[nodiscard]] double placement_score(std::span<const PlacementView> views,
+                                     const Rigid3& world_from_marker,
+                                     const PlacementOptions& options);
 
 }  // namespace waymark

@@ -1,6 +1,7 @@
 #include "mapbuilder/mapping/map_builder.h"
 
 #include <algorithm>
+#include <map>
 #include <random>
 
 #include "core/geometry/alignment.h"
@@ -165,6 +166,7 @@ TEST(MapBuilder, WrongIdsAreGatedAndTheRestIsUnharmed) {
   const double clean = rmse_m(build(test::table_of(room)).submaps[0].map, room);
   std::mt19937 random(13);
   std::size_t wrong = 0;
+  std::map<int, std::uint32_t> wrong_of;
   for (ImageDetections& image : room.images) {
     // Of two observations that disagree nobody can say which one is wrong: at least three stay
     // right.
@@ -177,13 +179,20 @@ TEST(MapBuilder, WrongIdsAreGatedAndTheRestIsUnharmed) {
       if (taken) continue;
       d.marker.number = other;
       ++wrong;
+      ++wrong_of[other];
       break;
     }
   }
   ASSERT_GT(wrong, 5U);
   const auto result = build(test::table_of(room));
   ASSERT_EQ(result.submaps.size(), 1U);
+  EXPECT_TRUE(result.submaps[0].settled);
+  EXPECT_EQ(result.submaps[0].trajectory.size(), 60U);
   EXPECT_EQ(result.submaps[0].rejected, wrong);
+  for (const MapMarker& marker : result.submaps[0].map.markers) {
+    EXPECT_EQ(marker.rejected, wrong_of[marker.id.number])
+        << marker.id.number << " of " << marker.observations;
+  }
   EXPECT_LT(rmse_m(result.submaps[0].map, room), 1.2 * clean + 1e-4);
 }
 
