@@ -40,9 +40,9 @@ enum class DetectorEngine {
 /// The better engine for a family by measurement (bench_detect_engines): OpenCV, for every one.
 /// On tag_table's 15 photos it finds all 41 markers and nothing else (libapriltag, given ArUco's
 /// codes: 41 and false ids at full resolution); on office_wall's 39 photos 162 against 158, none
-/// false, both 56 ids, in a third of the time. On rendered 36h11 with noise both find all from 24
-/// px side up at tilts to 60°; at 18 px OpenCV finds 98 % upright and 71 % at 60° (libapriltag 100
-/// and 69 %), below that libapriltag finds more, for 10 to 30 times the time: an image of noise
+/// false, both 56 ids, in a third of the time. On rendered 36h11 with noise both find 98–100 % from
+/// 24 px side up at tilts to 60°; at 18 px OpenCV finds 98 % upright and 71 % at 60° (libapriltag
+/// 100 and 69 %), below that libapriltag finds more, for 10 to 30 times the time: an image of noise
 /// takes it a second.
 [[nodiscard]] DetectorEngine best_engine(Family family);
 
