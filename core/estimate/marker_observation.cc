@@ -9,6 +9,10 @@ constexpr double kUnprojectable = 1e4 * 1e4;  ///< sigmas²
 
 }  // namespace
 
+double gross_residual_px(const CameraModel& camera) {
+  return 0.5 * std::hypot(camera.parameters().width_px, camera.parameters().height_px);
+}
+
 Eigen::Matrix2d whitening_from_covariance(const Eigen::Matrix2d& covariance) {
   const double l00 = std::sqrt(covariance(0, 0));
   const double l10 = covariance(1, 0) / l00;
@@ -50,6 +54,8 @@ void add_observation(const MarkerObservation& observation, const ObservationGeom
   const auto x_in_marker = marker_corners(observation.size_m);
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
+  const double gross_px = gross_residual_px(*geometry.camera);
+  bool gross = false;
   double s = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     CornerJacobians jacobians;
@@ -65,12 +71,14 @@ void add_observation(const MarkerObservation& observation, const ObservationGeom
     hessian.noalias() += j.transpose() * j;
     gradient.noalias() += j.transpose() * whitened;
     s += whitened.squaredNorm();
+    gross = gross || residual->norm() > gross_px;
   }
+  equations.cost += robust_cost(loss.loss, loss.scale_sigmas, s);
+  equations.corners += 4;
+  if (gross) return;
   const double weight = robust_weight(loss.loss, loss.scale_sigmas, s);
   equations.hessian += weight * hessian;
   equations.gradient += weight * gradient;
-  equations.cost += robust_cost(loss.loss, loss.scale_sigmas, s);
-  equations.corners += 4;
 }
 
 }  // namespace waymark

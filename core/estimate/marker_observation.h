@@ -33,6 +33,11 @@ struct ObservationLoss {
   double scale_sigmas = 6.0;
 };
 
+/// A corner predicted farther off than this (half the image's diagonal, px) does not tell which way
+/// to go: near the camera plane its derivatives grow without bound, and one wrong id would outpull
+/// a whole frame set, Huber's loss or not. It still counts as a misfit.
+[[nodiscard]] double gross_residual_px(const CameraModel& camera);
+
 /// W = L⁻¹ with L Lᵀ = Σ, for a positive definite Σ (px²).
 [[nodiscard]] Eigen::Matrix2d whitening_from_covariance(const Eigen::Matrix2d& covariance);
 
@@ -56,7 +61,8 @@ struct ObservationGeometry {
   Rigid3 world_from_marker;
 };
 
-/// Adds one observation, robustly weighted, to the equations of the pose that is free.
+/// Adds one observation, robustly weighted, to the equations of the pose that is free; a gross one
+/// only to their cost.
 void add_observation(const MarkerObservation& observation, const ObservationGeometry& geometry,
                      const ObservationLoss& loss, FreePose free, PoseEquations& equations);
 

@@ -2,6 +2,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <map>
@@ -106,7 +107,13 @@ std::vector<std::size_t> participating(const ObservationTable& table,
   for (const std::size_t index : observations) {
     const TableObservation& o = table.observations[index];
     if (state.accepted[index] == 0 || !state.posed(o)) continue;
-    if (!corner_residuals(o, camera_of(table, o).model, cam_from_marker(table, state, o))) continue;
+    const CameraModel& camera = camera_of(table, o).model;
+    const auto residuals = corner_residuals(o, camera, cam_from_marker(table, state, o));
+    if (!residuals || std::any_of(residuals->begin(), residuals->end(), [&](const auto& r) {
+          return r.norm() > gross_residual_px(camera);
+        })) {
+      continue;
+    }
     usable.push_back(index);
     ++per_set[o.frame_set];
   }

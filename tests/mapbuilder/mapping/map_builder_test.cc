@@ -187,6 +187,11 @@ TEST(MapBuilder, WrongIdsAreGatedAndTheRestIsUnharmed) {
   const auto result = build(test::table_of(room));
   ASSERT_EQ(result.submaps.size(), 1U);
   EXPECT_TRUE(result.submaps[0].settled);
+  const auto seen = test::table_of(room);
+  for (const int f : result.unlocalized) {
+    const auto& set = seen.frame_sets[static_cast<std::size_t>(f)];
+    ADD_FAILURE() << "frame set " << f << " of " << set.observation_count << " observations lost";
+  }
   EXPECT_EQ(result.submaps[0].trajectory.size(), 60U);
   EXPECT_EQ(result.submaps[0].rejected, wrong);
   for (const MapMarker& marker : result.submaps[0].map.markers) {
