@@ -1,28 +1,8 @@
 #include "simulator/covisibility.h"
 
-#include <numeric>
+#include "core/base/disjoint_sets.h"
 
 namespace waymark::simulator {
-namespace {
-
-/// Sets that are merged and looked up.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void merge(std::size_t a, std::size_t b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-}  // namespace
-
 std::vector<Rigid3> standing_positions(const Scene& scene, int count) {
   const Trajectory way(scene.trajectory);
   std::vector<Rigid3> poses;
@@ -51,7 +31,7 @@ DetectionGraph detection_graph(const Scene& scene, const SimulatedRig& rig,
       graph.one_marker_images += visible.size() == 1 ? 1 : 0;
       graph.observations += static_cast<int>(visible.size());
       for (const VisibleMarker& seen : visible) {
-        sets.merge(seen.marker, scene.markers.size() + node);
+        sets.unite(seen.marker, scene.markers.size() + node);
         if (rig.mono || !counted[seen.marker]) ++nodes_of_marker[seen.marker];
         counted[seen.marker] = true;
       }

@@ -1,36 +1,12 @@
 #include "mapbuilder/mapping/covisibility.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/disjoint_sets.h"
 
 namespace waymark {
-namespace {
-
-/// Disjoint sets with path halving.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t count) : parent_(count) {
-    std::iota(parent_.begin(), parent_.end(), std::size_t{0});
-  }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
-
-}  // namespace
-
 std::vector<Component> connected_components(const ObservationTable& table,
                                             const std::vector<char>& used) {
   const std::size_t marker_count = table.markers.size();
