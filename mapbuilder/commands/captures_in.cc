@@ -64,6 +64,10 @@ Expected<std::vector<DetectedCapture>> take_captures_in(const CaptureInput& inpu
     auto folder = open_capture(path);
     if (!folder) return tl::make_unexpected(folder.error());
     print_notes(folder->notes, notes);
+    if (folder->survey_toml) {
+      fmt::print(notes, "note: {}: surveys are not used yet; sizes alone set the scale\n",
+                 folder->survey_toml->string());
+    }
     folders.push_back(std::move(*folder));
   }
   std::vector<DetectedCapture> captures;
