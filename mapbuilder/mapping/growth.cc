@@ -101,11 +101,13 @@ void Growth::localize_unadjusted(MapState& state) const {
 }
 
 std::vector<PlacementView> Growth::placement_views(const MapState& state, int marker,
-                                                   std::size_t most) const {
+                                                   std::size_t most,
+                                                   const FrameSetFilter& firm) const {
   std::vector<std::size_t> usable;
   for (const std::size_t index : table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
     const TableObservation& o = table_.observations[index];
-    if (state.accepted[index] != 0 && state.rigs[static_cast<std::size_t>(o.frame_set)]) {
+    if (state.accepted[index] != 0 && state.rigs[static_cast<std::size_t>(o.frame_set)] &&
+        firm(o.frame_set)) {
       usable.push_back(index);
     }
   }
@@ -138,61 +140,102 @@ std::vector<PlacementView> Growth::placement_views(const MapState& state, int ma
 }
 
 std::vector<std::optional<PlacementEstimate>> Growth::place(const std::vector<int>& markers,
-                                                            const MapState& state) const {
+                                                            const MapState& state,
+                                                            const FrameSetFilter& firm) const {
   std::vector<std::optional<PlacementEstimate>> placed(markers.size());
   parallel_for(markers.size(), options_.threads, [&](std::size_t i) {
-    const auto views = placement_views(state, markers[i], max_placement_views());
+    const auto views = placement_views(state, markers[i], max_placement_views(), firm);
     if (!views.empty()) placed[i] = place_marker(views, options_.placement);
   });
   return placed;
+}
+
+std::vector<int> Growth::mapped_markers_per_frame_set(const MapState& state) const {
+  std::vector<int> count(table_.frame_sets.size(), 0);
+  for (const int frame_set : component_.frame_sets) {
+    const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
+    for (std::size_t i = 0; i < set.observation_count; ++i) {
+      const TableObservation& o = table_.observations[set.first_observation + i];
+      if (state.world_from_marker[static_cast<std::size_t>(o.marker)]) {
+        ++count[static_cast<std::size_t>(frame_set)];
+      }
+    }
+  }
+  return count;
 }
 
 void Growth::grow(int seed, MapState& state, const AdjustJointly& adjust, const Report& report) {
   RigPoseEstimate origin;  // the seed's frame is the world
   state.rigs[static_cast<std::size_t>(seed)] = origin;
 
-  std::vector<std::optional<PlacementEstimate>> estimate(table_.markers.size());
-  std::set<int> dirty_markers;  // unplaced, and seen by a frame set whose pose is new
-  std::set<int> waiting;        // unplaced, with an estimate
+  // What rigs of a given firmness say of the markers that are not placed yet.
+  struct Firmness {
+    int mapped_markers = 0;
+    std::set<int> dirty{};    // seen by a frame set whose pose is new
+    std::set<int> waiting{};  // with an estimate
+    std::vector<std::optional<PlacementEstimate>> estimate{};
+  };
+  std::vector<Firmness> levels;
+  for (int mapped = options_.firm_markers; mapped >= 1; --mapped) {
+    levels.push_back({mapped, {}, {}, {}});
+    levels.back().estimate.resize(table_.markers.size());
+  }
   const auto mark_markers_of = [&](int frame_set) {
     const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
     for (std::size_t i = 0; i < set.observation_count; ++i) {
       const int marker = table_.observations[set.first_observation + i].marker;
-      if (!state.world_from_marker[static_cast<std::size_t>(marker)]) dirty_markers.insert(marker);
+      if (state.world_from_marker[static_cast<std::size_t>(marker)]) continue;
+      for (Firmness& level : levels) level.dirty.insert(marker);
     }
   };
   mark_markers_of(seed);
 
-  std::size_t placed = 0;
-  std::size_t localized = 1;
-  std::size_t adjusted_at = 0;
-  while (true) {
-    const std::vector<int> to_place(dirty_markers.begin(), dirty_markers.end());
-    dirty_markers.clear();
-    const auto estimates = place(to_place, state);
-    for (std::size_t i = 0; i < to_place.size(); ++i) {
-      if (!estimates[i]) continue;
-      estimate[static_cast<std::size_t>(to_place[i])] = estimates[i];
-      waiting.insert(to_place[i]);
+  // The clear markers of the firmest rigs that have any; without one, the clearest of all.
+  const auto next_markers = [&]() -> std::vector<std::pair<int, Rigid3>> {
+    std::vector<int> mapped = mapped_markers_per_frame_set(state);
+    mapped[static_cast<std::size_t>(seed)] = options_.firm_markers;
+    for (Firmness& level : levels) {
+      const std::vector<int> to_place(level.dirty.begin(), level.dirty.end());
+      level.dirty.clear();
+      const auto estimates = place(to_place, state, [&](int frame_set) {
+        return mapped[static_cast<std::size_t>(frame_set)] >= level.mapped_markers;
+      });
+      for (std::size_t i = 0; i < to_place.size(); ++i) {
+        if (!estimates[i]) continue;
+        level.estimate[static_cast<std::size_t>(to_place[i])] = estimates[i];
+        level.waiting.insert(to_place[i]);
+      }
+      std::vector<std::pair<int, Rigid3>> clear;
+      for (const int marker : level.waiting) {
+        const PlacementEstimate& estimate = *level.estimate[static_cast<std::size_t>(marker)];
+        if (estimate.gap >= options_.placement_gap) clear.emplace_back(marker, estimate.best.pose);
+      }
+      if (!clear.empty()) return clear;
     }
-
-    std::vector<int> accepted;
     int clearest = -1;
-    for (const int marker : waiting) {
-      const double gap = estimate[static_cast<std::size_t>(marker)]->gap;
-      if (gap >= options_.placement_gap) accepted.push_back(marker);
-      if (clearest < 0 || gap > estimate[static_cast<std::size_t>(clearest)]->gap) {
+    const auto& estimate = levels.back().estimate;
+    for (const int marker : levels.back().waiting) {
+      if (clearest < 0 || estimate[static_cast<std::size_t>(marker)]->gap >
+                              estimate[static_cast<std::size_t>(clearest)]->gap) {
         clearest = marker;
       }
     }
-    if (accepted.empty() && clearest >= 0) accepted.push_back(clearest);
-    if (accepted.empty()) break;
+    if (clearest < 0) return {};
+    return {{clearest, estimate[static_cast<std::size_t>(clearest)]->best.pose}};
+  };
 
+  std::size_t placed = 0;
+  std::size_t localized = 1;
+  std::size_t adjusted_at = 0;
+  for (auto next = next_markers(); !next.empty(); next = next_markers()) {
     std::set<int> dirty_sets;
-    for (const int marker : accepted) {
-      waiting.erase(marker);
+    for (const auto& [marker, world_from_marker] : next) {
+      for (Firmness& level : levels) {
+        level.waiting.erase(marker);
+        level.dirty.erase(marker);
+      }
       const auto m = static_cast<std::size_t>(marker);
-      state.world_from_marker[m] = estimate[m]->best.pose;
+      state.world_from_marker[m] = world_from_marker;
       ++placed;
       for (const std::size_t index : table_.observations_of_marker[m]) {
         dirty_sets.insert(table_.observations[index].frame_set);
@@ -249,15 +292,16 @@ std::size_t Growth::reconsider(MapState& state) const {
   for (const int m : component_.markers) {
     if (state.world_from_marker[static_cast<std::size_t>(m)]) markers.push_back(m);
   }
+  const FrameSetFilter every = [](int /*frame_set*/) { return true; };
   std::vector<std::optional<Rigid3>> replacement(markers.size());
   parallel_for(markers.size(), options_.threads, [&](std::size_t i) {
-    const auto views = placement_views(state, markers[i], max_placement_views());
+    const auto views = placement_views(state, markers[i], max_placement_views(), every);
     if (views.empty()) return;
     const auto estimate = place_marker(views, options_.placement);
     const Rigid3& current = *state.world_from_marker[static_cast<std::size_t>(markers[i])];
     if (!estimate) return;
     if (!differ(estimate->best.pose, current)) return;
-    const auto all_views = placement_views(state, markers[i], table_.observations.size());
+    const auto all_views = placement_views(state, markers[i], table_.observations.size(), every);
     const auto score = [&](const Rigid3& pose) {
       return placement_score(all_views, pose, options_.placement);
     };

@@ -16,6 +16,9 @@ struct GrowthOptions {
   /// A marker is placed at once when its runner-up is worse by this (sigmas²); below, only when
   /// nothing clearer is left to do. (0–1000) 20 as in RigPoseOptions.
   double placement_gap = 20.0;
+  /// Rigs that see this many mapped markers place new ones first, then those that see fewer: a rig
+  /// that hangs on one marker may stand wrong, and everything it places with it. (1–10)
+  int firm_markers = 3;
   /// Views that place a marker, half of them the largest, half spread over the rest. (2–1000)
   int max_placement_views = 16;
   /// The joint adjustment runs whenever the map has grown by this factor. (1.05–10)
@@ -57,6 +60,8 @@ class Growth {
   void localize_unadjusted(MapState& state) const;
 
  private:
+  using FrameSetFilter = std::function<bool(int frame_set)>;
+
   [[nodiscard]] std::vector<FixedMarkerObservation> mapped_observations(const MapState& state,
                                                                         int frame_set) const;
   void localize(const std::vector<int>& frame_sets, MapState& state) const;
@@ -65,14 +70,16 @@ class Growth {
       RigPoseSolver& solver, std::span<const FixedMarkerObservation> observations,
       const std::optional<RigPoseEstimate>& known) const;
   [[nodiscard]] bool differ(const Rigid3& a, const Rigid3& b) const;
-  /// At most `most` accepted views of the marker by localized frame sets.
+  /// At most `most` accepted views of the marker by localized frame sets that the filter takes.
   [[nodiscard]] std::vector<PlacementView> placement_views(const MapState& state, int marker,
-                                                           std::size_t most) const;
+                                                           std::size_t most,
+                                                           const FrameSetFilter& firm) const;
   [[nodiscard]] std::size_t max_placement_views() const {
     return static_cast<std::size_t>(options_.max_placement_views);
   }
-  [[nodiscard]] std::vector<std::optional<PlacementEstimate>> place(const std::vector<int>& markers,
-                                                                    const MapState& state) const;
+  [[nodiscard]] std::vector<std::optional<PlacementEstimate>> place(
+      const std::vector<int>& markers, const MapState& state, const FrameSetFilter& firm) const;
+  [[nodiscard]] std::vector<int> mapped_markers_per_frame_set(const MapState& state) const;
 
   const ObservationTable& table_;
   const Component& component_;

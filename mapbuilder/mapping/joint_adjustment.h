@@ -15,6 +15,7 @@ struct AdjustmentOptions {
   /// large map hardly costs anything: only next to no damping lets the end of an adjustment
   /// converge in such a direction.
   double initial_damping = 1e-6;
+  int threads = 1;  ///< ≥ 1; never changes the result
 };
 
 /// How an adjustment ended.
@@ -27,12 +28,10 @@ struct AdjustmentSummary {
 };
 
 /// Equation 11: all placed markers and all localized frame sets together, extrinsics and
-/// intrinsics fixed, by Ceres over the one corner residual. Uses the given observations as far as
-/// both their ends are posed, they are accepted and not grossly off, and their frame set has at
-/// least two of them (a single one only fixes its own rig). `anchor` is the frame set that stays
-/// where it is. Parameters lie in one array in the table's order and Ceres runs on one thread: the
-/// result does not depend on memory addresses or on the number of threads. Updates the state's
-/// poses.
+/// intrinsics fixed, by Levenberg–Marquardt over the reduced marker system. Uses the given
+/// observations as far as both their ends are posed, they are accepted and not grossly off, and
+/// their frame set has at least two of them (a single one only fixes its own rig). `anchor` is the
+/// frame set that stays where it is. Updates the state's poses.
 AdjustmentSummary adjust_jointly(const ObservationTable& table,
                                  std::span<const std::size_t> observations, int anchor,
                                  const AdjustmentOptions& options, MapState& state);

@@ -6,7 +6,8 @@
 #include <set>
 
 #include "core/base/check.h"
-#include "mapbuilder/mapping/reduced_marker_system.h"
+#include "core/base/parallel.h"
+#include "mapbuilder/mapping/marker_covariances.h"
 
 namespace waymark {
 namespace {
@@ -55,9 +56,9 @@ class ComponentBuilder {
     growth.grow(
         anchor_, state_,
         [&](MapState& state) {
-          adjust(growth, {options_.loss, 10, 1e-3, 1e-6});
+          adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_});
           adapt_noise();
-          if (growth.reconsider(state) > 0) adjust(growth, {options_.loss, 10, 1e-3, 1e-6});
+          if (growth.reconsider(state) > 0) adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_});
         },
         [&](std::size_t placed, std::size_t localized) {
           progress_.update(placed, fmt::format("{} of {} frame sets localized", localized,
@@ -110,7 +111,7 @@ class ComponentBuilder {
     constexpr double kNoiseSettled = 0.02;
     progress_.begin("adjusting jointly", static_cast<std::size_t>(options_.max_passes));
     for (int pass = 0; pass < options_.max_passes; ++pass) {
-      adjust(growth, {options_.loss, 30, 1e-4, 1e-8});
+      adjust(growth, {options_.loss, 30, 1e-4, 1e-8, threads_});
       const double noise_change = adapt_noise();
       const std::size_t reconsidered = growth.reconsider(state_);
       const std::size_t gated = update_gate(table_, observations_, options_.gate, state_);
@@ -121,7 +122,7 @@ class ComponentBuilder {
     // The last adjustment is one of exactly the observations that the last gate accepts.
     constexpr int kMostPolishes = 5;
     for (int polish = 0; polish < kMostPolishes && !settled_; ++polish) {
-      const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14});
+      const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14, threads_});
       const bool converged = summary.converged || summary.observations == 0;
       settled_ = converged && update_gate(table_, observations_, options_.gate, state_) == 0;
     }
@@ -131,6 +132,7 @@ class ComponentBuilder {
   ObservationTable& table_;
   const Component& component_;
   BuildOptions options_;
+  int threads_ = effective_threads(options_.threads);
   Progress& progress_;
   NoiseModel noise_;
   MapState state_;
@@ -152,7 +154,7 @@ std::vector<char> accepted_and_posed(const ObservationTable& table, const Compon
 
 /// Statistics, covariances and trajectory of one rigid part of a finished component.
 BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& built,
-                     const Component& part, const ObservationLoss& loss) {
+                     const Component& part, const BuildOptions& options) {
   const MapState& state = built.state();
   BuiltSubMap result;
   result.model_sigma_px = built.model_sigma_px();
@@ -210,8 +212,9 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
   }
   result.map.frame_sets = static_cast<std::uint32_t>(result.trajectory.size());
 
-  const ReducedMarkerSystem system = reduce_to_markers(table, observations, loss, state);
-  const std::vector<Matrix6d> covariances = marker_covariances(system, state);
+  const MarkerInformation information =
+      marker_information(table, observations, options.loss, effective_threads(options.threads), state);
+  const std::vector<Matrix6d> covariances = marker_covariances(information);
   result.covariances_known = !covariances.empty() || part.markers.size() < 2;
   const Matrix6d turn = left_motion_jacobian(world_from_built);
   for (const int index : part.markers) {
@@ -224,10 +227,10 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
     marker.rejected = rejected[m];
     marker.rms_px = per_marker[m].rms_px();
     marker.verified = independent[m] >= 2;
-    const auto slot = std::lower_bound(system.markers.begin(), system.markers.end(), index);
-    if (!covariances.empty() && slot != system.markers.end() && *slot == index) {
+    const auto slot = std::lower_bound(information.markers.begin(), information.markers.end(), index);
+    if (!covariances.empty() && slot != information.markers.end() && *slot == index) {
       const Matrix6d& covariance =
-          covariances[static_cast<std::size_t>(slot - system.markers.begin())];
+          covariances[static_cast<std::size_t>(slot - information.markers.begin())];
       const Matrix6d turned = turn * covariance * turn.transpose();
       marker.covariance = 0.5 * (turned + turned.transpose());
     }
@@ -254,7 +257,7 @@ BuildResult build_map(ObservationTable& table, const BuildOptions& options, Prog
     // What the gate rejected may have held the component together: each rigid part is a sub-map of
     // its own.
     for (const Component& part : connected_components(table, accepted_and_posed(table, builder))) {
-      result.submaps.push_back(describe(table, builder, part, options.loss));
+      result.submaps.push_back(describe(table, builder, part, options));
       mapped.insert(part.markers.begin(), part.markers.end());
       localized.insert(part.frame_sets.begin(), part.frame_sets.end());
     }

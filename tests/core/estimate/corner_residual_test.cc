@@ -70,8 +70,9 @@ TEST_P(CornerResidual, JacobiansAgreeWithNumericDerivatives) {
     const Eigen::Vector3d x = marker_corners(0.3)[static_cast<std::size_t>(i % 4)];
     const Eigen::Vector2d observed(600, 500);
     CornerJacobians jacobians;
+    CalibrationJacobians calibration;
     const CornerChain chain(c.camera, c.cam_from_rig, c.world_from_rig, c.world_from_marker);
-    const auto with = corner_residual(chain, x, observed, &jacobians);
+    const auto with = corner_residual(chain, x, observed, &jacobians, &calibration);
     const auto without = corner_residual(chain, x, observed, nullptr);
     ASSERT_TRUE(with && without);
     EXPECT_LT((*with - *without).norm(), 1e-9);
@@ -86,7 +87,33 @@ TEST_P(CornerResidual, JacobiansAgreeWithNumericDerivatives) {
                               c.world_from_marker);
       return *corner_residual(moved, x, observed, nullptr);
     });
+    const auto by_extrinsics = test::numeric_jacobian<2, 6>([&](const Vector6d& delta) {
+      const Rigid3 rig_from_cam = c.cam_from_rig.inverse().plus(delta);
+      const CornerChain moved(c.camera, rig_from_cam.inverse(), c.world_from_rig,
+                              c.world_from_marker);
+      return *corner_residual(moved, x, observed, nullptr);
+    });
+    const auto by_intrinsics =
+        test::numeric_jacobian<2, 8>([&](const Eigen::Matrix<double, 8, 1>& delta) {
+          CameraParameters p = c.camera.parameters();
+          p.fu_px += delta[0];
+          p.fv_px += delta[1];
+          p.pu_px += delta[2];
+          p.pv_px += delta[3];
+          for (std::size_t k = 0; k < 4; ++k) {
+            p.coefficients[k] += delta[static_cast<Eigen::Index>(k) + 4];
+          }
+          const CameraModel changed = *CameraModel::create(p);
+          const CornerChain moved(changed, c.cam_from_rig, c.world_from_rig, c.world_from_marker);
+          return *corner_residual(moved, x, observed, nullptr);
+        });
     const double scale = by_rig.norm();
+    EXPECT_LT((calibration.d_extrinsics - by_extrinsics).norm(), 1e-7 * scale);
+    if (GetParam() == Distortion::none) {
+      EXPECT_LT((calibration.d_intrinsics - by_intrinsics).leftCols<4>().norm(), 1e-7 * scale);
+    } else {
+      EXPECT_LT((calibration.d_intrinsics - by_intrinsics).norm(), 1e-6 * scale);
+    }
     EXPECT_LT((jacobians.d_marker - by_marker).norm(), 1e-7 * scale);
     EXPECT_LT((jacobians.d_rig - by_rig).norm(), 1e-7 * scale);
   }

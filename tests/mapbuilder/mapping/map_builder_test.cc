@@ -6,7 +6,7 @@
 
 #include "core/geometry/alignment.h"
 #include "core/map/map_file.h"
-#include "mapbuilder/mapping/reduced_marker_system.h"
+#include "mapbuilder/mapping/marker_covariances.h"
 #include "tests/mapbuilder/mapping/room_table.h"
 
 namespace waymark {

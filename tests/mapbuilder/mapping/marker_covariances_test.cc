@@ -1,8 +1,9 @@
-#include "mapbuilder/mapping/reduced_marker_system.h"
+#include "mapbuilder/mapping/marker_covariances.h"
 
 #include <Eigen/Dense>
 
 #include "core/estimate/corner_residual.h"
+#include "tests/mapbuilder/mapping/dense_blocks.h"
 #include "tests/mapbuilder/mapping/room_table.h"
 
 namespace waymark {
@@ -47,7 +48,7 @@ class SmallRoom : public testing::Test {
 
 TEST_F(SmallRoom, TheReducedSystemIsTheSchurComplement) {
   const MapState state = test::true_state(room, table);
-  const auto system = reduce_to_markers(table, test::all_observations(table), {}, state);
+  const auto system = marker_information(table, test::all_observations(table), {}, 1, state);
   ASSERT_EQ(system.markers.size(), table.markers.size());
   const Eigen::MatrixXd h = dense_information(table, state);
   const auto n = static_cast<Eigen::Index>(6 * table.markers.size());
@@ -55,13 +56,13 @@ TEST_F(SmallRoom, TheReducedSystemIsTheSchurComplement) {
   const Eigen::MatrixXd schur =
       h.topLeftCorner(n, n) -
       h.topRightCorner(n, h.cols() - n) * rr.ldlt().solve(h.bottomLeftCorner(h.rows() - n, n));
-  EXPECT_LT((Eigen::MatrixXd(system.information) - schur).norm(), 1e-9 * schur.norm());
+  EXPECT_LT((test::dense(system.information) - schur).norm(), 1e-9 * schur.norm());
 }
 
 TEST_F(SmallRoom, CovariancesAreThoseOfTheGaugeWithoutMeanMotion) {
   const MapState state = test::true_state(room, table);
-  const auto system = reduce_to_markers(table, test::all_observations(table), {}, state);
-  const auto covariances = marker_covariances(system, state);
+  const auto system = marker_information(table, test::all_observations(table), {}, 1, state);
+  const auto covariances = marker_covariances(system);
   ASSERT_EQ(covariances.size(), table.markers.size());
 
   // The same by a dense constrained inverse: minimize with Gᵀx = 0.
@@ -77,7 +78,7 @@ TEST_F(SmallRoom, CovariancesAreThoseOfTheGaugeWithoutMeanMotion) {
     g.block<3, 3>(row, 3) = -skew(state.world_from_marker[i]->translation - centre);
   }
   Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(n + 6, n + 6);
-  bordered.topLeftCorner(n, n) = Eigen::MatrixXd(system.information);
+  bordered.topLeftCorner(n, n) = test::dense(system.information);
   bordered.topRightCorner(n, 6) = g;
   bordered.bottomLeftCorner(6, n) = g.transpose();
   const Eigen::MatrixXd inverse = bordered.fullPivLu().inverse();
@@ -90,9 +91,9 @@ TEST_F(SmallRoom, CovariancesAreThoseOfTheGaugeWithoutMeanMotion) {
 
 TEST_F(SmallRoom, OneMarkerAloneHasNoCovariance) {
   const MapState state = test::true_state(room, table);
-  const auto system = reduce_to_markers(table, table.observations_of_marker[0], {}, state);
+  const auto system = marker_information(table, table.observations_of_marker[0], {}, 1, state);
   EXPECT_EQ(system.markers.size(), 1U);
-  EXPECT_TRUE(marker_covariances(system, state).empty());
+  EXPECT_TRUE(marker_covariances(system).empty());
 }
 
 }  // namespace
