@@ -27,14 +27,16 @@ MAY_INCLUDE = {
     "mapbuilder/report": ["mapbuilder/diagnosis", "mapbuilder/evaluate"],
     "mapbuilder/commands": ["mapbuilder/import", "mapbuilder/mapping", "mapbuilder/evaluate", "mapbuilder/report"],
     "simulator": ["core/capture"],
+    "drivers": ["core/capture"],
+    "locd": ["core/detect", "core/estimate", "drivers", "proto"],
 }
 
 # Libraries that only some folders may see; every other folder that includes them is wrong.
 ONLY_IN = {
     r"opencv2/(videoio|imgcodecs|highgui)": ["mapbuilder/import"],
     r"ceres/": ["mapbuilder/mapping"],
-    r"lcm/lcm": [],
-    r"CLI/": ["mapbuilder", "simulator"],
+    r"lcm/lcm": ["locd"],
+    r"CLI/": ["mapbuilder", "simulator", "locd"],
 }
 
 

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/camera/rig.h"
+#include "core/geometry/stamp.h"
+#include "core/marker/marker_id.h"
+
+namespace waymark {
+
+/// What is wrong for longer than a frame set. Numbers are those of alert_t: only append.
+enum class AlertKind : std::int8_t {
+  marker_moved = 0,     ///< MOVED: a mapped marker hangs elsewhere; quarantined
+  marker_unknown = 1,   ///< UNKNOWN: a marker hangs there that the map does not hold
+  image_frozen = 2,     ///< FROZEN: the camera repeats one image
+  image_dark = 3,       ///< DARK
+  image_saturated = 4,  ///< SATURATED
+  image_obscured = 5,   ///< OBSCURED: nothing but a blur before the lens
+  extrinsics_off = 6,   ///< EXTRINSICS: a camera does not stand where the rig file says
+  cameras_swapped = 7,  ///< SWAP: two cameras are in each other's place
+  camera_missing = 8,   ///< MISSING: a camera delivers nothing
+  stamps_unsynced = 9,  ///< UNSYNCED: a camera's stamps can't be believed; arrival is used
+  stamps_skewed = 10,   ///< SKEW: a triggered rig's cameras do not expose together
+};
+
+/// "MOVED", "FROZEN", …
+[[nodiscard]] std::string_view name_of(AlertKind kind);
+
+/// Something began to be wrong, or ended. Plain data, so that raising one allocates nothing.
+struct Alert {
+  AlertKind kind = AlertKind::marker_moved;
+  bool raised = true;  ///< false: it is over
+  Stamp stamp{0};      ///< of the frame set that told, CLOCK_MONOTONIC
+  int camera = -1;     ///< index in the rig; −1: none in particular
+  int other_camera = -1;
+  std::optional<MarkerId> marker;
+  /// How far off, where that is a length or an angle: a marker's or a camera's offset.
+  double offset_m = std::numeric_limits<double>::quiet_NaN();
+  double offset_rad = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// One line for people, with what to do: "MOVED: marker 12 hangs 0.31 m from where the map says;
+/// …".
+[[nodiscard]] std::string describe(const Alert& alert, const Rig& rig, bool several_families);
+
+}  // namespace waymark
