@@ -4,6 +4,18 @@
 #include <cmath>
 
 namespace waymark {
+namespace {
+
+/// Equal scores stay in the order of their indices; std::stable_sort would allocate.
+template <typename Candidates>
+void sort_by_score(Candidates& candidates) {
+  std::sort(candidates.begin(), candidates.end(), [](const auto& a, const auto& b) {
+    return a.score != b.score ? a.score < b.score : a.index < b.index;
+  });
+}
+
+}  // namespace
+
 RigPoseSolver::RigPoseSolver(const Rig& rig, const RigPoseOptions& options) : options_(options) {
   for (const RigCamera& camera : rig.cameras) {
     models_.push_back(&camera.model);
@@ -16,19 +28,31 @@ bool RigPoseSolver::same(const Rigid3& a, const Rigid3& b) const {
          (a.translation - b.translation).norm() < options_.distinct_m;
 }
 
-double RigPoseSolver::score(std::span<const FixedMarkerObservation> observations,
-                            const Rigid3& world_from_rig) const {
-  const double k2 = options_.score_scale_sigmas * options_.score_scale_sigmas;
+template <typename Bound>
+double RigPoseSolver::sum(std::span<const FixedMarkerObservation> observations,
+                          const Rigid3& world_from_rig, const Bound& bound) const {
   const Rigid3 rig_from_world = world_from_rig.inverse();
   double sum = 0;
   for (const FixedMarkerObservation& fixed : observations) {
     const auto camera = static_cast<std::size_t>(fixed.observation->camera);
-    const double s =
-        squared_residual(*fixed.observation, *models_[camera],
-                         cam_from_rig_[camera] * (rig_from_world * fixed.world_from_marker));
-    sum += k2 * std::log1p(s / k2);
+    sum +=
+        bound(squared_residual(*fixed.observation, *models_[camera],
+                               cam_from_rig_[camera] * (rig_from_world * fixed.world_from_marker)));
   }
   return sum;
+}
+
+double RigPoseSolver::score(std::span<const FixedMarkerObservation> observations,
+                            const Rigid3& world_from_rig) const {
+  const double k2 = options_.score_scale_sigmas * options_.score_scale_sigmas;
+  return sum(observations, world_from_rig, [k2](double s) { return k2 * std::log1p(s / k2); });
+}
+
+double RigPoseSolver::rank(std::span<const FixedMarkerObservation> observations,
+                           const Rigid3& world_from_rig) const {
+  if (!options_.bounded_score_sigmas) return score(observations, world_from_rig);
+  const double k2 = *options_.bounded_score_sigmas * *options_.bounded_score_sigmas;
+  return sum(observations, world_from_rig, [k2](double s) { return -k2 * std::expm1(-s / k2); });
 }
 
 void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> observations) {
@@ -48,23 +72,23 @@ void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> o
     const Rigid3& cam_from_rig = cam_from_rig_[static_cast<std::size_t>(fixed.observation->camera)];
     for (const Rigid3& cam_from_marker : fixed.observation->ippe->cam_from_marker) {
       const Rigid3 pose = fixed.world_from_marker * cam_from_marker.inverse() * cam_from_rig;
-      candidates_.push_back({pose, score(observations, pose), index});
+      candidates_.push_back({pose, score(observations, pose), candidates_.size()});
     }
   }
-  std::stable_sort(candidates_.begin(), candidates_.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+  sort_by_score(candidates_);
 }
 
 std::optional<PoseOptimum> RigPoseSolver::refine(
-    std::span<const FixedMarkerObservation> observations, const Rigid3& start) const {
+    std::span<const FixedMarkerObservation> observations, const Rigid3& start,
+    const ObservationLoss& loss) const {
   return minimize_pose(start, options_.max_iterations, [&](const Rigid3& world_from_rig) {
     PoseEquations equations;
     for (const FixedMarkerObservation& fixed : observations) {
       const auto camera = static_cast<std::size_t>(fixed.observation->camera);
       add_observation(
           *fixed.observation,
-          {models_[camera], cam_from_rig_[camera], world_from_rig, fixed.world_from_marker},
-          options_.loss, FreePose::rig, equations);
+          {models_[camera], cam_from_rig_[camera], world_from_rig, fixed.world_from_marker}, loss,
+          FreePose::rig, equations);
     }
     return equations;
   });
@@ -90,10 +114,13 @@ std::optional<RigPoseEstimate> RigPoseSolver::solve(
   starts_.clear();
   for (const Candidate& candidate : candidates_) {
     if (starts_.size() == static_cast<std::size_t>(options_.max_refined)) break;
-    // A start beside one already taken leads to the same optimum.
-    const bool repeated = std::any_of(starts_.begin(), starts_.end(), [&](const Rigid3& taken) {
-      return same(taken, candidate.world_from_rig);
-    });
+    // A start beside one already taken, or beside an optimum, leads nowhere else.
+    const bool repeated =
+        std::any_of(starts_.begin(), starts_.end(),
+                    [&](const Rigid3& taken) { return same(taken, candidate.world_from_rig); }) ||
+        std::any_of(optima_.begin(), optima_.end(), [&](const PoseOptimum& known) {
+          return same(known.pose, candidate.world_from_rig);
+        });
     if (repeated) continue;
     starts_.push_back(candidate.world_from_rig);
     if (const auto optimum = refine(observations, starts_.back())) keep_optimum(*optimum);
@@ -103,10 +130,9 @@ std::optional<RigPoseEstimate> RigPoseSolver::solve(
   // right ones in front of it.
   ranked_.clear();
   for (std::size_t i = 0; i < optima_.size(); ++i) {
-    ranked_.push_back({optima_[i].pose, score(observations, optima_[i].pose), i});
+    ranked_.push_back({optima_[i].pose, rank(observations, optima_[i].pose), i});
   }
-  std::stable_sort(ranked_.begin(), ranked_.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.score < b.score; });
+  sort_by_score(ranked_);
   RigPoseEstimate estimate;
   estimate.best = optima_[ranked_[0].index];
   if (ranked_.size() > 1) {

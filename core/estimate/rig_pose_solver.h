@@ -22,6 +22,10 @@ struct RigPoseOptions {
   /// Candidates are compared by k²·log(1 + s/k²), which grows for a marker that is far off without
   /// letting it decide alone. (5–100 sigmas)
   double score_scale_sigmas = 20.0;
+  /// Optima are ranked by the same; or, where this is set (5–100 sigmas), by k²(1 − exp(−s/k²)),
+  /// which counts every marker that is off alike, however far: two hypotheses that explain as many
+  /// markers as each other are then ambiguous.
+  std::optional<double> bounded_score_sigmas;
   int max_seed_observations = 64;  ///< (1–1000) give candidates; of more, the largest in the image
   int max_refined = 4;             ///< (2–50) candidates that are optimized
   int max_iterations = 30;         ///< (1–200) of Levenberg–Marquardt
@@ -43,7 +47,8 @@ struct RigPoseEstimate {
 /// Algorithm 1: the pose of a rig from the observations of one frame set against fixed markers
 /// (eq. 9). Seeded by both IPPE solutions of all observations of all cameras, each scored
 /// on all observations, so that a flipped marker can't win (the paper's eq. 10 trusts the one
-/// marker that fits itself best). Holds its working memory: one solver per thread, reused.
+/// marker that fits itself best). Holds its working memory: one solver per thread, reused, which
+/// allocates nothing once it has seen as many observations.
 class RigPoseSolver {
  public:
   /// Keeps a reference to the rig's camera models; the rig must outlive the solver.
@@ -57,18 +62,35 @@ class RigPoseSolver {
 
   /// Local optimum from one start; nullopt when no observation can be projected there.
   [[nodiscard]] std::optional<PoseOptimum> refine(
-      std::span<const FixedMarkerObservation> observations, const Rigid3& start) const;
+      std::span<const FixedMarkerObservation> observations, const Rigid3& start) const {
+    return refine(observations, start, options_.loss);
+  }
+  /// The same by another loss.
+  [[nodiscard]] std::optional<PoseOptimum> refine(
+      std::span<const FixedMarkerObservation> observations, const Rigid3& start,
+      const ObservationLoss& loss) const;
+
+  /// cam_from_rig and model of a camera.
+  [[nodiscard]] const Rigid3& cam_from_rig(std::size_t camera) const {
+    return cam_from_rig_[camera];
+  }
+  [[nodiscard]] const CameraModel& model(std::size_t camera) const { return *models_[camera]; }
 
  private:
   struct Candidate {
     Rigid3 world_from_rig;
     double score = 0;       ///< sigmas², bounded growth
-    std::size_t index = 0;  ///< of the observation or optimum it stems from
+    std::size_t index = 0;  ///< of the candidate, or of the optimum
   };
 
   void collect_candidates(std::span<const FixedMarkerObservation> observations);
+  template <typename Bound>
+  [[nodiscard]] double sum(std::span<const FixedMarkerObservation> observations,
+                           const Rigid3& world_from_rig, const Bound& bound) const;
   [[nodiscard]] double score(std::span<const FixedMarkerObservation> observations,
                              const Rigid3& world_from_rig) const;
+  [[nodiscard]] double rank(std::span<const FixedMarkerObservation> observations,
+                            const Rigid3& world_from_rig) const;
   [[nodiscard]] bool same(const Rigid3& a, const Rigid3& b) const;
   void keep_optimum(const PoseOptimum& optimum);
 

@@ -1,0 +1,272 @@
+#include "locd/localizer.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/base/check.h"
+#include "drivers/monotonic_clock.h"
+#include "locd/corner_noise.h"
+#include "locd/frame_detector.h"
+#include "locd/map_index.h"
+#include "locd/motion_filter.h"
+#include "locd/robust_pose.h"
+
+namespace waymark {
+namespace {
+
+double seconds(Stamp duration) { return std::chrono::duration<double>(duration).count(); }
+
+MotionOptions motion_options(const LocalizerOptions& options) {
+  MotionOptions motion;
+  motion.max_age_s = options.prior_max_age_s;
+  return motion;
+}
+
+}  // namespace
+
+struct Localizer::Implementation {
+  Implementation(const Rig& rig_in, const MarkerMap& map_in, const LocalizerOptions& options_in)
+      : rig(rig_in),
+        options(options_in),
+        map(map_in),
+        detector(rig, map.catalog(), options.detection_threads),
+        robust(rig, map, {}),
+        gate(options.gate),
+        motion(motion_options(options)) {
+    observations.reserve(kMaxObservations);
+    residuals.reserve(kMaxObservations);
+    WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
+  }
+
+  void localize(const FrameSetLease& set, PoseEstimate& estimate);
+  void begin(const FrameSetLease& set, PoseEstimate& estimate) const;
+  void observe(const FrameSetLease& set, PoseEstimate& estimate);
+  void observe_camera(std::size_t camera, PoseEstimate& estimate);
+  void time_observations(const FrameSetLease& set, PoseEstimate& estimate);
+  void solve(const FrameSetLease& set, PoseEstimate& estimate);
+  void report(const PoseSolution& solution, PoseEstimate& estimate) const;
+  void judge(const FrameSetLease& set, const PoseSolution& solution,
+             const std::optional<MotionPrediction>& prior, PoseEstimate& estimate);
+  void learn_noise();
+
+  Rig rig;
+  LocalizerOptions options;
+  MapIndex map;
+  FrameDetector detector;
+  RobustPose robust;
+  PoseGate gate;
+  MotionFilter motion;
+  std::optional<CornerNoise> noise;
+  std::vector<SetObservation> observations;
+  std::vector<double> residuals;
+  std::vector<Alert> alerts;
+};
+
+void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate& estimate) {
+  alerts.clear();
+  begin(set, estimate);
+  const Stamp started = monotonic_now();
+  detector.detect(set, set.cameras);
+  const Stamp detected = monotonic_now();
+  observe(set, estimate);
+  time_observations(set, estimate);
+  solve(set, estimate);
+  estimate.times.detect = detected - started;
+  estimate.times.solve = monotonic_now() - detected;
+}
+
+void Localizer::Implementation::begin(const FrameSetLease& set, PoseEstimate& estimate) const {
+  estimate.lose(PoseReason::no_markers);
+  estimate.sequence = set.sequence;
+  estimate.stamp = set.mean_stamp();
+  estimate.set_stamp = set.set_stamp();
+  estimate.max_skew = set.max_skew();
+  estimate.cameras_expected = set.expected;
+  estimate.cameras_in_set = set.cameras;
+  estimate.markers_seen = 0;
+  estimate.observations.clear();
+  estimate.camera_offset.fill(Stamp{0});
+  estimate.times = {};
+}
+
+/// Every detection with what is known of its marker.
+void Localizer::Implementation::observe(const FrameSetLease& set, PoseEstimate& estimate) {
+  observations.clear();
+  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    if (set.has(camera)) observe_camera(camera, estimate);
+  }
+  for (std::size_t i = 0; i < estimate.observations.size(); ++i) {
+    const auto& seen = estimate.observations;
+    const bool before =
+        std::any_of(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(i),
+                    [&](const ObservedMarker& other) { return other.marker == seen[i].marker; });
+    estimate.markers_seen += before ? 0 : 1;
+  }
+}
+
+void Localizer::Implementation::observe_camera(std::size_t camera, PoseEstimate& estimate) {
+  const auto detections = detector.detections_of(camera);
+  for (const Detection& detection : detections) {
+    if (estimate.observations.size() == kMaxObservations) return;
+    ObservedMarker seen;
+    seen.marker = detection.marker;
+    seen.camera = static_cast<std::int16_t>(camera);
+    seen.corners_px = detection.corners;
+    const auto map_index = map.find(detection.marker);
+    const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
+    if (!map_index) {
+      seen.verdict = ObservationVerdict::unknown;
+    } else if (std::count_if(detections.begin(), detections.end(), same_id) > 1) {
+      seen.verdict = ObservationVerdict::repeated;
+    } else if (map.quarantined(*map_index)) {
+      seen.verdict = ObservationVerdict::quarantined;
+    } else {
+      SetObservation& o = observations.emplace_back();
+      o.observation.camera = static_cast<int>(camera);
+      o.observation.size_m = map.marker(*map_index).size_m;
+      o.observation.corners_px = detection.corners;
+      o.detected_px = detection.corners;
+      if (detection.covariances) {
+        o.stated = *detection.covariances;
+      } else {
+        o.stated.fill(Eigen::Matrix2d::Zero());
+      }
+      if (!noise) noise.emplace(detection.covariances.has_value());
+      o.map_index = *map_index;
+      o.report_index = estimate.observations.size();
+    }
+    estimate.observations.push_back(seen);
+  }
+}
+
+/// The set's instant, and each corner's from there: the cameras' skew and their rows' read-out.
+void Localizer::Implementation::time_observations(const FrameSetLease& set,
+                                                  PoseEstimate& estimate) {
+  CameraMask seeing = 0;
+  for (const SetObservation& o : observations) {
+    seeing |= camera_bit(static_cast<std::size_t>(o.observation.camera));
+  }
+  if (seeing != 0) {
+    Stamp sum{0};
+    int count = 0;
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+      if ((seeing & camera_bit(c)) == 0) continue;
+      sum += set.frames[c].stamp() - estimate.set_stamp;
+      ++count;
+    }
+    estimate.stamp = estimate.set_stamp + sum / count;
+  }
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (set.has(c)) estimate.camera_offset[c] = set.frames[c].stamp() - estimate.stamp;
+  }
+  for (SetObservation& o : observations) {
+    const RigCamera& camera = rig.cameras[static_cast<std::size_t>(o.observation.camera)];
+    const double offset_s =
+        seconds(estimate.camera_offset[static_cast<std::size_t>(o.observation.camera)]);
+    const double readout_s = camera.readout_us.value_or(0) * 1e-6;
+    const double rows = camera.model.parameters().height_px;
+    for (std::size_t i = 0; i < 4; ++i) {
+      // The stamp is of the middle row, (rows − 1)/2.
+      o.after_s[i] = offset_s + readout_s * (o.detected_px[i].y() - 0.5 * (rows - 1)) / rows;
+    }
+  }
+}
+
+void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& estimate) {
+  if (observations.empty()) return;
+  const auto prior = motion.predict(estimate.stamp);
+  const Vector6d velocity = prior ? prior->velocity : Vector6d::Zero();
+  const Matrix6d velocity_covariance =
+      prior ? prior->velocity_covariance : motion.unknown_velocity_covariance();
+  const auto solution =
+      robust.solve(observations, prior, velocity, velocity_covariance, noise->model_sigma_px());
+  if (!solution) {
+    estimate.lose(PoseReason::no_solution);
+    return;
+  }
+  report(*solution, estimate);
+  judge(set, *solution, prior, estimate);
+  learn_noise();
+}
+
+void Localizer::Implementation::report(const PoseSolution& solution, PoseEstimate& estimate) const {
+  estimate.reasons = 0;
+  estimate.world_from_rig = solution.world_from_rig;
+  estimate.covariance = solution.covariance;
+  estimate.markers_used = solution.inlier_markers;
+  estimate.observations_used = solution.inliers;
+  double sum = 0;
+  for (const SetObservation& o : observations) {
+    ObservedMarker& seen = estimate.observations[o.report_index];
+    seen.verdict = o.inlier ? ObservationVerdict::inlier : ObservationVerdict::outlier;
+    seen.rms_px = o.rms_px;
+    seen.sigmas_squared = o.sigmas_squared;
+    if (!o.inlier) {
+      ++estimate.outliers;
+      continue;
+    }
+    sum += o.rms_px * o.rms_px;
+    estimate.cameras_used |= camera_bit(static_cast<std::size_t>(o.observation.camera));
+  }
+  estimate.rms_px = std::sqrt(sum / solution.inliers);
+}
+
+void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSolution& solution,
+                                      const std::optional<MotionPrediction>& prior,
+                                      PoseEstimate& estimate) {
+  if (!prior) gate.forget();
+  ReasonBits reasons = gate.judge(estimate.stamp, solution, prior);
+  const bool trusted = reasons == 0 || reasons == bit(PoseReason::sigma);
+  if (set.cameras != set.expected) reasons |= bit(PoseReason::camera_missing);
+  Stamp readout{0};
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (!set.has(c)) continue;
+    const double readout_us = rig.cameras[c].readout_us.value_or(0);
+    readout = std::max(readout, Stamp(static_cast<std::int64_t>(readout_us * 1e3)));
+    if (set.frames[c].info().quality == StampQuality::arrival) {
+      reasons |= bit(PoseReason::unsynced);
+    }
+  }
+  if (options.triggered && estimate.max_skew > options.negligible_skew) {
+    reasons |= bit(PoseReason::skew);
+  }
+  const bool needs_velocity = estimate.max_skew + readout > options.negligible_skew;
+  if (needs_velocity && !(prior && prior->velocity_known)) {
+    reasons |= bit(PoseReason::no_velocity);
+  }
+  estimate.reasons = reasons;
+  estimate.status = reasons == 0         ? PoseStatus::ok
+                    : solution.ambiguous ? PoseStatus::ambiguous
+                                         : PoseStatus::degraded;
+  if (trusted) motion.update(estimate.stamp, solution.world_from_rig, solution.covariance);
+  const auto now = motion.predict(estimate.stamp);
+  if (now && now->velocity_known) estimate.velocity = now->velocity;
+}
+
+void Localizer::Implementation::learn_noise() {
+  residuals.clear();
+  double stated = 0;
+  for (const SetObservation& o : observations) {
+    residuals.push_back(o.sigmas_squared);
+    for (const Eigen::Matrix2d& covariance : o.stated) stated += covariance.trace() / 8.0;
+  }
+  noise->update(residuals, stated / static_cast<double>(observations.size()));
+}
+
+Localizer::Localizer(const Rig& rig, const MarkerMap& map, const LocalizerOptions& options)
+    : implementation_(std::make_unique<Implementation>(rig, map, options)) {}
+Localizer::~Localizer() = default;
+
+void Localizer::localize(const FrameSetLease& set, PoseEstimate& estimate) {
+  implementation_->localize(set, estimate);
+}
+
+std::span<const Alert> Localizer::alerts() const { return implementation_->alerts; }
+
+void Localizer::forget_motion() {
+  implementation_->motion.reset();
+  implementation_->gate.forget();
+}
+
+}  // namespace waymark

@@ -1,0 +1,87 @@
+#include "locd/motion_filter.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+
+namespace waymark {
+namespace {
+
+double seconds_between(Stamp from, Stamp to) {
+  return std::chrono::duration<double>(to - from).count();
+}
+
+Matrix6d diagonal(double translation, double rotation) {
+  Vector6d d;
+  d << Eigen::Vector3d::Constant(translation), Eigen::Vector3d::Constant(rotation);
+  return d.asDiagonal();
+}
+
+}  // namespace
+
+Matrix6d MotionFilter::unknown_velocity_covariance() const {
+  return diagonal(options_.speed_sigma_mps * options_.speed_sigma_mps,
+                  options_.turn_sigma_radps * options_.turn_sigma_radps);
+}
+
+MotionFilter::State MotionFilter::propagate(double seconds) const {
+  State next;
+  next.velocity = state_.velocity;
+  next.pose = state_.pose.plus(state_.velocity * seconds);
+  const Matrix6d pp = state_.covariance.topLeftCorner<6, 6>();
+  const Matrix6d pv = state_.covariance.topRightCorner<6, 6>();
+  const Matrix6d vv = state_.covariance.bottomRightCorner<6, 6>();
+  const Matrix6d density = diagonal(options_.accel_density * options_.accel_density,
+                                    options_.turn_accel_density * options_.turn_accel_density);
+  const double t = seconds;
+  const Matrix6d cross = pv + t * vv + t * t / 2 * density;
+  next.covariance.topLeftCorner<6, 6>() =
+      pp + t * (pv + pv.transpose()) + t * t * vv + t * t * t / 3 * density;
+  next.covariance.topRightCorner<6, 6>() = cross;
+  next.covariance.bottomLeftCorner<6, 6>() = cross.transpose();
+  next.covariance.bottomRightCorner<6, 6>() = vv + t * density;
+  return next;
+}
+
+std::optional<MotionPrediction> MotionFilter::predict(Stamp stamp) const {
+  if (updates_ == 0) return std::nullopt;
+  const double age_s = seconds_between(stamp_, stamp);
+  if (age_s < 0 || age_s > options_.max_age_s) return std::nullopt;
+  const State state = propagate(age_s);
+  MotionPrediction prediction;
+  prediction.world_from_rig = state.pose;
+  prediction.covariance = state.covariance.topLeftCorner<6, 6>();
+  prediction.velocity = state.velocity;
+  prediction.velocity_covariance = state.covariance.bottomRightCorner<6, 6>();
+  prediction.velocity_known = updates_ >= 2;
+  return prediction;
+}
+
+void MotionFilter::update(Stamp stamp, const Rigid3& world_from_rig, const Matrix6d& covariance) {
+  const double age_s = seconds_between(stamp_, stamp);
+  if (updates_ == 0 || age_s <= 0 || age_s > options_.max_age_s) {
+    state_.pose = world_from_rig;
+    state_.velocity.setZero();
+    state_.covariance.setZero();
+    state_.covariance.topLeftCorner<6, 6>() = covariance;
+    state_.covariance.bottomRightCorner<6, 6>() = unknown_velocity_covariance();
+    updates_ = 1;
+  } else {
+    State predicted = propagate(age_s);
+    const Vector6d innovation = world_from_rig.minus(predicted.pose);
+    const Matrix6d innovation_covariance = predicted.covariance.topLeftCorner<6, 6>() + covariance;
+    const Eigen::Matrix<double, 12, 6> cross = predicted.covariance.leftCols<6>();
+    const Eigen::Matrix<double, 12, 6> gain =
+        innovation_covariance.ldlt().solve(cross.transpose()).transpose();
+    const Eigen::Matrix<double, 12, 1> step = gain * innovation;
+    predicted.pose = predicted.pose.plus(step.head<6>());
+    predicted.velocity += step.tail<6>();
+    predicted.covariance -= gain * cross.transpose();
+    predicted.covariance = (0.5 * (predicted.covariance + predicted.covariance.transpose())).eval();
+    state_ = predicted;
+    updates_ = std::min(updates_ + 1, 1000);
+  }
+  stamp_ = stamp;
+}
+
+}  // namespace waymark

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/marker/marker_id.h"
+
+namespace waymark {
+
+/// Why a marker is not used.
+enum class QuarantineState : std::int8_t {
+  moved = 0,    ///< MOVED: of the map, hangs elsewhere
+  unknown = 1,  ///< UNKNOWN: hangs there, the map lacks it
+};
+
+/// A marker that is not what the map says.
+struct QuarantinedMarker {
+  MarkerId marker;
+  QuarantineState state = QuarantineState::moved;
+  std::int64_t since_utime = 0;  ///< µs since the epoch when it was found; 0: the clock was not set
+  double offset_m = 0;           ///< from where the map says; 0 of unknown ones
+};
+
+/// quarantine.json: {"map_hash": "…", "markers": [{"id", "family", "state": "MOVED" | "UNKNOWN",
+/// "since_utime", "offset_m"}]}, by rising id. Belongs to the map of that hash alone.
+struct Quarantine {
+  std::string map_hash;
+  std::vector<QuarantinedMarker> markers;
+};
+
+/// Reads it. no_input when absent; bad_data for anything else than that form.
+[[nodiscard]] Expected<Quarantine> read_quarantine(const std::filesystem::path& path);
+
+/// Writes atomically. Errors of write_file_atomically.
+[[nodiscard]] Status write_quarantine(const std::filesystem::path& path,
+                                      const Quarantine& quarantine);
+
+}  // namespace waymark

@@ -1,0 +1,151 @@
+#include "locd/rig_capture.h"
+
+#include <algorithm>
+
+#include "core/base/check.h"
+#include "drivers/monotonic_clock.h"
+
+namespace waymark {
+namespace {
+
+constexpr Stamp kFirstPause = std::chrono::milliseconds(100);
+constexpr Stamp kLongestPause = std::chrono::seconds(5);
+/// A waiting camera's loop turns at least this often.
+constexpr Stamp kTurn = std::chrono::milliseconds(200);
+constexpr Stamp kAlive = std::chrono::seconds(1);
+
+}  // namespace
+
+RigCapture::RigCapture(std::vector<std::unique_ptr<FrameSource>> sources,
+                       const SyncOptions& options)
+    : cameras_(sources.size()), synchronizer_(sources.size(), options) {
+  for (std::size_t c = 0; c < sources.size(); ++c) cameras_[c].source = std::move(sources[c]);
+}
+
+RigCapture::~RigCapture() { stop(); }
+
+void RigCapture::start() {
+  const std::lock_guard lock(mutex_);
+  stopping_ = false;
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    WAYMARK_CHECK(!cameras_[c].thread.joinable());
+    cameras_[c].thread = std::thread([this, c] { run(c); });
+  }
+}
+
+void RigCapture::stop() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
+  for (Camera& camera : cameras_) camera.source->stop();
+  for (Camera& camera : cameras_) {
+    if (camera.thread.joinable()) camera.thread.join();
+  }
+}
+
+void RigCapture::run(std::size_t index) {
+  Camera& camera = cameras_[index];
+  Stamp pause_for = kFirstPause;
+  const auto note = [&](auto&& change) {
+    const std::lock_guard lock(mutex_);
+    camera.state.last_turn = monotonic_now();
+    change(camera.state);
+    return !stopping_;
+  };
+  while (note([](CameraState&) {})) {
+    const Status started = camera.source->start();
+    note([&](CameraState& state) {
+      ++state.starts;
+      state.error = started ? "" : started.error().message;
+    });
+    bool running = started.has_value();
+    while (running && !camera.source->ended()) {
+      auto frame = camera.source->next(monotonic_now() + kTurn);
+      running = note([&](CameraState& state) {
+        state.damaged = camera.source->damaged();
+        if (!frame) state.error = frame.error().message;
+      });
+      if (!frame) break;
+      if (!*frame) continue;
+      pause_for = kFirstPause;
+      deliver(index, std::move(**frame));
+    }
+    if (camera.source->ended()) break;
+    if (!pause(pause_for)) break;
+    pause_for = std::min(2 * pause_for, kLongestPause);
+  }
+  const std::lock_guard lock(mutex_);
+  camera.ended = true;
+  changed_.notify_all();
+}
+
+bool RigCapture::pause(Stamp duration) {
+  std::unique_lock lock(mutex_);
+  changed_.wait_until(lock, as_time_point(monotonic_now() + duration), [&] { return stopping_; });
+  return !stopping_;
+}
+
+void RigCapture::deliver(std::size_t camera, Frame frame) {
+  const std::lock_guard lock(mutex_);
+  const Stamp now = monotonic_now();
+  cameras_[camera].state.last_frame = now;
+  ++cameras_[camera].state.frames;
+  synchronizer_.push(camera, std::move(frame), now);
+  gather(now);
+}
+
+void RigCapture::gather(Stamp now) {
+  while (auto set = synchronizer_.take(now)) {
+    if (newest_) {
+      for (std::size_t c = 0; c < cameras_.size(); ++c) {
+        if (!newest_->has(c)) continue;
+        ++cameras_[c].state.dropped[static_cast<std::size_t>(DropReason::solver_busy)];
+      }
+    }
+    newest_ = std::move(*set);
+  }
+  // A frame that came also moves the deadline that the taker waits for.
+  changed_.notify_all();
+}
+
+std::optional<FrameSetLease> RigCapture::wait(Stamp deadline) {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    const Stamp now = monotonic_now();
+    gather(now);
+    if (newest_) {
+      std::optional<FrameSetLease> set;
+      set.swap(newest_);
+      return set;
+    }
+    const bool over =
+        std::all_of(cameras_.begin(), cameras_.end(), [](const Camera& c) { return c.ended; });
+    const auto partial_at = synchronizer_.next_deadline();
+    if (stopping_ || now >= deadline || (over && !partial_at)) return std::nullopt;
+    changed_.wait_until(lock, as_time_point(std::min(deadline, partial_at.value_or(deadline))));
+  }
+}
+
+bool RigCapture::ended() const {
+  const std::lock_guard lock(mutex_);
+  return !newest_ && !synchronizer_.next_deadline() &&
+         std::all_of(cameras_.begin(), cameras_.end(), [](const Camera& c) { return c.ended; });
+}
+
+RigCapture::CameraState RigCapture::state(std::size_t camera) const {
+  const std::lock_guard lock(mutex_);
+  CameraState state = cameras_[camera].state;
+  state.running = state.frames > 0 && monotonic_now() - state.last_frame < kAlive;
+  const DropCounts& by_stamps = synchronizer_.dropped(camera);
+  for (std::size_t r = 0; r < kDropReasons; ++r) state.dropped[r] += by_stamps[r];
+  return state;
+}
+
+CameraMask RigCapture::quorum() const {
+  const std::lock_guard lock(mutex_);
+  return synchronizer_.quorum();
+}
+
+}  // namespace waymark

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "drivers/frame_source.h"
+#include "locd/frame_synchronizer.h"
+
+namespace waymark {
+
+/// All cameras of a rig, each in a thread of its own, and the newest frame set they gave. A camera
+/// that fails is started again, after a pause that grows to 5 s.
+class RigCapture {
+ public:
+  /// One source per camera, by the rig's order.
+  RigCapture(std::vector<std::unique_ptr<FrameSource>> sources, const SyncOptions& options);
+  ~RigCapture();
+  RigCapture(const RigCapture&) = delete;
+  RigCapture& operator=(const RigCapture&) = delete;
+
+  /// Starts the threads.
+  void start();
+  /// Ends them; within a second where the drivers' calls return.
+  void stop();
+
+  /// The newest set that was not taken yet; nullopt when none came until `deadline`
+  /// (CLOCK_MONOTONIC), after stop, or when all sources have ended.
+  [[nodiscard]] std::optional<FrameSetLease> wait(Stamp deadline);
+
+  /// Whether every source has ended and every set was taken.
+  [[nodiscard]] bool ended() const;
+
+  /// What a status message says of a camera.
+  struct CameraState {
+    bool running = false;  ///< started, and delivered within the last second
+    Stamp last_frame{0};   ///< arrival
+    Stamp last_turn{0};    ///< when its loop last turned: a watchdog's food
+    std::uint64_t frames = 0;
+    std::uint64_t damaged = 0;
+    std::uint64_t starts = 0;
+    DropCounts dropped{};
+    std::string error;  ///< of the last start or frame that failed; empty: none
+  };
+  [[nodiscard]] CameraState state(std::size_t camera) const;
+  [[nodiscard]] CameraMask quorum() const;
+
+ private:
+  struct Camera {
+    std::unique_ptr<FrameSource> source;
+    CameraState state;
+    bool ended = false;
+    std::thread thread;
+  };
+  void run(std::size_t camera);
+  void deliver(std::size_t camera, Frame frame);
+  /// With the mutex held: makes sets that are ready the newest one.
+  void gather(Stamp now);
+  bool pause(Stamp duration);
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Camera> cameras_;
+  FrameSynchronizer synchronizer_;
+  std::optional<FrameSetLease> newest_;
+  bool stopping_ = false;
+};
+
+}  // namespace waymark
