@@ -6,9 +6,12 @@
 
 #include "core/base/check.h"
 #include "drivers/monotonic_clock.h"
+#include "locd/camera_watch.h"
 #include "locd/corner_noise.h"
 #include "locd/frame_detector.h"
+#include "locd/image_health.h"
 #include "locd/map_index.h"
+#include "locd/map_watch.h"
 #include "locd/motion_filter.h"
 #include "locd/robust_pose.h"
 
@@ -33,8 +36,13 @@ struct Localizer::Implementation {
         detector(rig, map.catalog(), options.detection_threads),
         robust(rig, map, {}),
         gate(options.gate),
-        motion(motion_options(options)) {
+        motion(motion_options(options)),
+        map_watch(map, robust.solver()),
+        camera_watch(rig, map),
+        health(rig.cameras.size()) {
     observations.reserve(kMaxObservations);
+    quarantined.reserve(kMaxObservations);
+    alerts.reserve(kMaxObservations);
     residuals.reserve(kMaxObservations);
     WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
   }
@@ -49,6 +57,7 @@ struct Localizer::Implementation {
   void judge(const FrameSetLease& set, const PoseSolution& solution,
              const std::optional<MotionPrediction>& prior, PoseEstimate& estimate);
   void learn_noise();
+  void watch(const PoseSolution& solution, PoseEstimate& estimate);
 
   Rig rig;
   LocalizerOptions options;
@@ -58,7 +67,11 @@ struct Localizer::Implementation {
   PoseGate gate;
   MotionFilter motion;
   std::optional<CornerNoise> noise;
+  MapWatch map_watch;
+  CameraWatch camera_watch;
+  ImageHealth health;
   std::vector<SetObservation> observations;
+  std::vector<SetObservation> quarantined;  ///< held against the pose, take no part in it
   std::vector<double> residuals;
   std::vector<Alert> alerts;
 };
@@ -67,7 +80,12 @@ void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate&
   alerts.clear();
   begin(set, estimate);
   const Stamp started = monotonic_now();
-  detector.detect(set, set.cameras);
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (set.has(c) && set.frames[c].has_image()) {
+      health.look(c, set.frames[c].image(), set.frames[c].stamp(), alerts);
+    }
+  }
+  detector.detect(set, set.cameras & ~health.unhealthy());
   const Stamp detected = monotonic_now();
   observe(set, estimate);
   time_observations(set, estimate);
@@ -93,6 +111,7 @@ void Localizer::Implementation::begin(const FrameSetLease& set, PoseEstimate& es
 /// Every detection with what is known of its marker.
 void Localizer::Implementation::observe(const FrameSetLease& set, PoseEstimate& estimate) {
   observations.clear();
+  quarantined.clear();
   for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
     if (set.has(camera)) observe_camera(camera, estimate);
   }
@@ -119,13 +138,12 @@ void Localizer::Implementation::observe_camera(std::size_t camera, PoseEstimate&
       seen.verdict = ObservationVerdict::unknown;
     } else if (std::count_if(detections.begin(), detections.end(), same_id) > 1) {
       seen.verdict = ObservationVerdict::repeated;
-    } else if (map.quarantined(*map_index)) {
-      seen.verdict = ObservationVerdict::quarantined;
     } else {
-      SetObservation& o = observations.emplace_back();
+      const bool use = !map.quarantined(*map_index);
+      if (!use) seen.verdict = ObservationVerdict::quarantined;
+      SetObservation& o = (use ? observations : quarantined).emplace_back();
       o.observation.camera = static_cast<int>(camera);
       o.observation.size_m = map.marker(*map_index).size_m;
-      o.observation.corners_px = detection.corners;
       o.detected_px = detection.corners;
       if (detection.covariances) {
         o.stated = *detection.covariances;
@@ -160,7 +178,7 @@ void Localizer::Implementation::time_observations(const FrameSetLease& set,
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     if (set.has(c)) estimate.camera_offset[c] = set.frames[c].stamp() - estimate.stamp;
   }
-  for (SetObservation& o : observations) {
+  const auto time_corners = [&](SetObservation& o) {
     const RigCamera& camera = rig.cameras[static_cast<std::size_t>(o.observation.camera)];
     const double offset_s =
         seconds(estimate.camera_offset[static_cast<std::size_t>(o.observation.camera)]);
@@ -170,7 +188,9 @@ void Localizer::Implementation::time_observations(const FrameSetLease& set,
       // The stamp is of the middle row, (rows − 1)/2.
       o.after_s[i] = offset_s + readout_s * (o.detected_px[i].y() - 0.5 * (rows - 1)) / rows;
     }
-  }
+  };
+  std::for_each(observations.begin(), observations.end(), time_corners);
+  std::for_each(quarantined.begin(), quarantined.end(), time_corners);
 }
 
 void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& estimate) {
@@ -187,7 +207,30 @@ void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& es
   }
   report(*solution, estimate);
   judge(set, *solution, prior, estimate);
+  const Stamp judged = monotonic_now();
+  robust.hold_against(quarantined, solution->world_from_rig, velocity, noise->model_sigma_px());
+  watch(*solution, estimate);
   learn_noise();
+  estimate.times.watch = monotonic_now() - judged;
+}
+
+void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate& estimate) {
+  for (const SetObservation& o : quarantined) {
+    ObservedMarker& seen = estimate.observations[o.report_index];
+    seen.rms_px = o.rms_px;
+    seen.sigmas_squared = o.sigmas_squared;
+  }
+  camera_watch.update(estimate.stamp, observations, alerts);
+  if (estimate.has(PoseReason::jump) || estimate.has(PoseReason::no_velocity)) return;
+  const CameraMask trusted = camera_watch.trusted();
+  map_watch.update(estimate.stamp, observations, solution, trusted, alerts);
+  map_watch.update(estimate.stamp, quarantined, solution, trusted, alerts);
+  if (solution.ambiguous || solution.inlier_markers < 2) return;
+  for (const ObservedMarker& seen : estimate.observations) {
+    if (seen.verdict == ObservationVerdict::unknown) {
+      map_watch.note_unknown(estimate.stamp, seen.marker, alerts);
+    }
+  }
 }
 
 void Localizer::Implementation::report(const PoseSolution& solution, PoseEstimate& estimate) const {
@@ -218,7 +261,9 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   if (!prior) gate.forget();
   ReasonBits reasons = gate.judge(estimate.stamp, solution, prior);
   const bool trusted = reasons == 0 || reasons == bit(PoseReason::sigma);
-  if (set.cameras != set.expected) reasons |= bit(PoseReason::camera_missing);
+  if (camera_watch.suspects() != 0) reasons |= bit(PoseReason::camera_suspect);
+  if ((set.cameras & ~health.unhealthy()) != set.expected)
+    reasons |= bit(PoseReason::camera_missing);
   Stamp readout{0};
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     if (!set.has(c)) continue;
@@ -263,6 +308,18 @@ void Localizer::localize(const FrameSetLease& set, PoseEstimate& estimate) {
 }
 
 std::span<const Alert> Localizer::alerts() const { return implementation_->alerts; }
+
+bool Localizer::quarantine_changed() const { return implementation_->map_watch.changed(); }
+
+std::vector<QuarantinedMarker> Localizer::quarantine() {
+  return implementation_->map_watch.quarantine();
+}
+
+void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {
+  implementation_->map_watch.restore(markers);
+}
+
+CameraMask Localizer::unhealthy_cameras() const { return implementation_->health.unhealthy(); }
 
 void Localizer::forget_motion() {
   implementation_->motion.reset();

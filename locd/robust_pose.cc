@@ -70,11 +70,19 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
     if (round > 0 && solution.inliers == before) break;
   }
   solution.world_from_rig = pose;
-  solution.covariance = covariance_at(observations, pose, velocity_covariance, model_sigma_px);
+  state_covariance(observations, velocity_covariance, model_sigma_px, solution);
   classify(observations, pose);
   count_markers(observations, solution);
   if (solution.inliers == 0 || !solution.covariance.allFinite()) return std::nullopt;
   return solution;
+}
+
+void RobustPose::hold_against(std::span<SetObservation> observations, const Rigid3& world_from_rig,
+                              const Vector6d& velocity, double model_sigma_px) const {
+  whiten(observations, model_sigma_px);
+  to_set_instant(observations, world_from_rig, velocity);
+  whiten_with_map(observations, world_from_rig, model_sigma_px);
+  classify(observations, world_from_rig);
 }
 
 void RobustPose::whiten(std::span<SetObservation> observations, double model_sigma_px) const {
@@ -172,8 +180,10 @@ int RobustPose::classify(std::span<SetObservation> observations, const Rigid3& p
   return inliers;
 }
 
-Matrix6d RobustPose::covariance_at(std::span<const SetObservation> observations, const Rigid3& pose,
-                                   const Matrix6d& velocity_covariance, double model_sigma_px) {
+void RobustPose::state_covariance(std::span<const SetObservation> observations,
+                                  const Matrix6d& velocity_covariance, double model_sigma_px,
+                                  PoseSolution& solution) {
+  const Rigid3& pose = solution.world_from_rig;
   const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
   Matrix6d hessian = Matrix6d::Zero();
   Matrix6d noise = Matrix6d::Zero();
@@ -218,7 +228,8 @@ Matrix6d RobustPose::covariance_at(std::span<const SetObservation> observations,
     const double root = std::sqrt(std::max(share.gain.trace(), 0.0));
     if (root > 0) covariance += roots / root * share.gain;
   }
-  return 0.5 * (covariance + covariance.transpose());
+  solution.covariance = 0.5 * (covariance + covariance.transpose());
+  solution.noise_covariance = inverse;
 }
 
 void RobustPose::count_markers(std::span<const SetObservation> observations,

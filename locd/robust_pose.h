@@ -29,6 +29,7 @@ struct SetObservation {
 struct PoseSolution {
   Rigid3 world_from_rig;
   Matrix6d covariance = Matrix6d::Zero();
+  Matrix6d noise_covariance = Matrix6d::Zero();  ///< of that the inverse Hessian alone
   bool ambiguous = false;
   int inliers = 0;
   int inlier_markers = 0;   ///< different ones
@@ -66,6 +67,10 @@ class RobustPose {
                                                   const Matrix6d& velocity_covariance,
                                                   double model_sigma_px);
 
+  /// Residuals and verdicts of further observations, which take no part, at a pose.
+  void hold_against(std::span<SetObservation> observations, const Rigid3& world_from_rig,
+                    const Vector6d& velocity, double model_sigma_px) const;
+
   [[nodiscard]] const RigPoseSolver& solver() const { return solver_; }
 
  private:
@@ -82,9 +87,9 @@ class RobustPose {
   void seed(std::span<SetObservation> observations, std::size_t count);
   void collect(std::span<SetObservation> observations, bool inliers_only);
   int classify(std::span<SetObservation> observations, const Rigid3& pose) const;
-  [[nodiscard]] Matrix6d covariance_at(std::span<const SetObservation> observations,
-                                       const Rigid3& pose, const Matrix6d& velocity_covariance,
-                                       double model_sigma_px);
+  void state_covariance(std::span<const SetObservation> observations,
+                        const Matrix6d& velocity_covariance, double model_sigma_px,
+                        PoseSolution& solution);
   void count_markers(std::span<const SetObservation> observations, PoseSolution& solution);
 
   const MapIndex& map_;
