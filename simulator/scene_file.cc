@@ -7,7 +7,7 @@
 #include "core/base/atomic_file.h"
 #include "simulator/occlusion.h"
 #include "simulator/scene_layout.h"
-#include "simulator/toml_fields.h"
+#include "core/base/toml_fields.h"
 
 namespace waymark::simulator {
 namespace {

@@ -22,8 +22,9 @@ class FakeClocks {
   void run(Stamp time, double wall_drift_ppm = 0) {
     now_.monotonic += time;
     now_.boottime += time;
-    now_.wall += time + Stamp(static_cast<Stamp::rep>(static_cast<double>(time.count()) *
-                                                      wall_drift_ppm * 1e-6));
+    now_.wall +=
+        time +
+        Stamp(static_cast<Stamp::rep>(static_cast<double>(time.count()) * wall_drift_ppm * 1e-6));
   }
   void step(Stamp by) { now_.wall += by; }
   void suspend(Stamp time) {
@@ -148,8 +149,7 @@ TEST(ClockOffset, UtimeRisesThroughAStepBack) {
 }
 
 TEST(ClockOffset, AnUnsetClockIsOneBeforeTwentyTwenty) {
-  EXPECT_EQ(ClockOffset(ClockReading{{}, {}, ClockOffset::kEarliestDate}).status(),
-            TimeStatus::ok);
+  EXPECT_EQ(ClockOffset(ClockReading{{}, {}, ClockOffset::kEarliestDate}).status(), TimeStatus::ok);
   EXPECT_EQ(ClockOffset(ClockReading{{}, {}, ClockOffset::kEarliestDate - Stamp{1}}).status(),
             TimeStatus::unset);
 }

@@ -1,9 +1,9 @@
-#include "simulator/toml_fields.h"
+#include "core/base/toml_fields.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace waymark::simulator {
+namespace waymark {
 
 const toml::node* TomlFields::find(std::string_view key) {
   known_.emplace_back(key);
@@ -12,11 +12,20 @@ const toml::node* TomlFields::find(std::string_view key) {
 
 void TomlFields::reject_at(const toml::node& node, const std::string& why) {
   if (!first_error_) {
-    first_error_ = Error{ErrorKind::bad_data, fmt::format("{}: {}", toml_place(name_, node), why)};
+    first_error_ = Error{error_, fmt::format("{}: {}", toml_place(name_, node), why)};
   }
 }
 
 void TomlFields::reject(const std::string& why) { reject_at(table_, why); }
+
+void TomlFields::reject(std::string_view key, const std::string& why) {
+  const toml::node* node = table_.get(key);
+  reject_at(node != nullptr ? *node : table_, why);
+}
+
+void TomlFields::reject(const Error& error) {
+  if (!first_error_) first_error_ = error;
+}
 
 double TomlFields::number(std::string_view key, double low, double high,
                           std::optional<double> fallback) {
@@ -44,12 +53,38 @@ int TomlFields::integer(std::string_view key, int low, int high, std::optional<i
   return static_cast<int>(*value);
 }
 
+bool TomlFields::boolean(std::string_view key, std::optional<bool> fallback) {
+  const toml::node* node = find(key);
+  if (node == nullptr && fallback) return *fallback;
+  const auto* value = node != nullptr ? node->as_boolean() : nullptr;
+  if (value == nullptr) {
+    reject_at(node != nullptr ? *node : table_, fmt::format("{} must be true or false", key));
+    return fallback.value_or(false);
+  }
+  return value->get();
+}
+
 std::string TomlFields::text(std::string_view key, std::optional<std::string> fallback) {
   const toml::node* node = find(key);
   if (node == nullptr && fallback) return *fallback;
   const auto value = node != nullptr ? node->value<std::string>() : std::nullopt;
   if (!value) reject_at(node != nullptr ? *node : table_, fmt::format("{} must be a text", key));
   return value.value_or("");
+}
+
+std::size_t TomlFields::choice(std::string_view key,
+                               std::initializer_list<std::string_view> choices,
+                               std::optional<std::size_t> fallback) {
+  const toml::node* node = find(key);
+  if (node == nullptr && fallback) return *fallback;
+  const auto value = node != nullptr ? node->value<std::string>() : std::nullopt;
+  const auto chosen = value ? std::find(choices.begin(), choices.end(), *value) : choices.end();
+  if (chosen == choices.end()) {
+    reject_at(node != nullptr ? *node : table_,
+              fmt::format("{} must be one of \"{}\"", key, fmt::join(choices, "\", \"")));
+    return fallback.value_or(0);
+  }
+  return static_cast<std::size_t>(chosen - choices.begin());
 }
 
 std::vector<double> TomlFields::numbers(std::string_view key, std::size_t count,
@@ -110,4 +145,4 @@ Status TomlFields::finish() {
   return {};
 }
 
-}  // namespace waymark::simulator
+}  // namespace waymark
