@@ -7,6 +7,7 @@
 #include <exception>
 #include <iostream>
 
+#include "locd/daemon.h"
 #include "locd/replay_command.h"
 
 namespace waymark {
@@ -16,19 +17,34 @@ std::atomic<bool> stop_requested{false};  // a signal handler can reach nothing 
 
 void request_stop(int /*signal*/) { stop_requested = true; }
 
+void add_replay_options(CLI::App& app, ReplayCommandOptions& replay) {
+  auto* capture = app.add_option("--replay", replay.capture, "a capture in place of cameras");
+  auto* map = app.add_option("--map", replay.map, "map file")->needs(capture);
+  capture->needs(map);
+  app.add_option("--trajectory", replay.trajectory, "poses to write (TUM)")->needs(capture);
+  app.add_option("--table", replay.table, "all of every pose to write (CSV)")->needs(capture);
+  app.add_flag("--loop", replay.loop, "again and again, until stopped")->needs(capture);
+  app.add_flag("--realtime", replay.realtime, "at the capture's own pace")->needs(capture);
+  app.add_flag("--redetect", replay.redetect, "detect even where detections.csv exists")
+      ->needs(capture);
+}
+
+void add_daemon_options(CLI::App& app, DaemonOptions& daemon, bool& check) {
+  auto* config = app.add_option("--config", daemon.config, "run as the configuration file says");
+  app.add_flag("--check", check, "only validate configuration, rig and map")->needs(config);
+  app.add_option("--record", daemon.record, "record from the start, into this folder")
+      ->needs(config);
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"locd: tells a vehicle where it is, by the markers its cameras see"};
   app.set_version_flag("--version", WAYMARK_VERSION);
   ReplayCommandOptions replay;
-  auto* group = app.add_option_group("replay", "a capture in place of cameras");
-  auto* capture = group->add_option("--replay", replay.capture, "capture folder")->required();
-  group->add_option("--map", replay.map, "map file")->required()->needs(capture);
-  group->add_option("--trajectory", replay.trajectory, "poses to write (TUM)")->needs(capture);
-  group->add_option("--table", replay.table, "all of every pose to write (CSV)")->needs(capture);
-  group->add_flag("--loop", replay.loop, "again and again, until stopped")->needs(capture);
-  group->add_flag("--realtime", replay.realtime, "at the capture's own pace")->needs(capture);
-  group->add_flag("--redetect", replay.redetect, "detect even where detections.csv exists")
-      ->needs(capture);
+  add_replay_options(app, replay);
+  DaemonOptions daemon = options_from_environment();
+  daemon.version = WAYMARK_VERSION;
+  bool check = false;
+  add_daemon_options(app, daemon, check);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -37,7 +53,14 @@ int run(int argc, char** argv) {
     app.exit(error, std::cerr, std::cerr);
     return static_cast<int>(ErrorKind::usage);
   }
-  const Status status = run_replay(replay, stop_requested, std::cout, std::cerr);
+  const bool replays = app.count("--replay") > 0;
+  if (replays == (app.count("--config") > 0)) {
+    fmt::print(stderr, "locd: either --config FILE or --replay CAPTURE --map MAP; see --help\n");
+    return static_cast<int>(ErrorKind::usage);
+  }
+  if (!replays && !check) return run_daemon(daemon);
+  const Status status = replays ? run_replay(replay, stop_requested, std::cout, std::cerr)
+                                : check_configuration(daemon.config);
   if (status) return 0;
   fmt::print(stderr, "locd: {}\n", status.error().message);
   return status.error().exit_code();

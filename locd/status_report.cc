@@ -1,0 +1,108 @@
+#include "locd/status_report.h"
+
+#include <algorithm>
+
+namespace waymark {
+namespace {
+
+double rate_hz(std::uint64_t count, Stamp interval) {
+  const double seconds = std::chrono::duration<double>(interval).count();
+  return seconds > 0 ? static_cast<double>(count) / seconds : 0;
+}
+
+std::int8_t state_of(const RigCapture::CameraState& camera) {
+  if (camera.running) return camera_status_t::STREAMING;
+  if (!camera.error.empty()) return camera_status_t::LOST;
+  return camera.frames == 0 ? camera_status_t::WAITING : camera_status_t::STALLED;
+}
+
+}  // namespace
+
+StatusReport::StatusReport(const Rig& rig)
+    : missing_(rig.cameras.size(), false), last_frames_(rig.cameras.size(), 0) {
+  for (const RigCamera& camera : rig.cameras) names_.push_back(camera.name);
+}
+
+std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::CameraState>& states,
+                                               Stamp now, Stamp grace) {
+  if (!first_look_) first_look_ = now;
+  std::vector<Alert> alerts;
+  for (std::size_t c = 0; c < states.size(); ++c) {
+    const bool may_still_come = states[c].frames == 0 && now - *first_look_ < grace;
+    const bool missing = !states[c].running && !may_still_come;
+    if (missing == missing_[c]) continue;
+    missing_[c] = missing;
+    Alert alert;
+    alert.kind = AlertKind::camera_missing;
+    alert.raised = missing;
+    alert.stamp = now;
+    alert.camera = static_cast<int>(c);
+    alerts.push_back(alert);
+  }
+  return alerts;
+}
+
+void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
+                        const LocalizationThread::Counts& counts, Stamp interval,
+                        status_t& status) {
+  DropCounts dropped{};
+  std::uint64_t damaged = 0;
+  status.cameras.resize(states.size());
+  status.camera_count = static_cast<std::int32_t>(states.size());
+  for (std::size_t c = 0; c < states.size(); ++c) {
+    const RigCapture::CameraState& state = states[c];
+    camera_status_t& camera = status.cameras[c];
+    std::uint64_t unused = state.damaged;
+    for (std::size_t r = 0; r < kDropReasons; ++r) {
+      unused += state.dropped[r];
+      dropped[r] += state.dropped[r];
+    }
+    damaged += state.damaged;
+    camera.name = names_[c];
+    camera.state = state_of(state);
+    camera.usable = static_cast<std::int8_t>((counts.unhealthy & camera_bit(c)) == 0);
+    camera.rate_hz = rate_hz(state.frames - last_frames_[c], interval);
+    camera.frames = static_cast<std::int64_t>(state.frames);
+    camera.dropped = static_cast<std::int64_t>(unused);
+    camera.starts = static_cast<std::int64_t>(state.starts);
+    camera.error = state.error;
+    last_frames_[c] = state.frames;
+  }
+  status.drop_reason.clear();
+  status.drops.clear();
+  const auto add = [&](const char* reason, std::uint64_t count) {
+    status.drop_reason.emplace_back(reason);
+    status.drops.push_back(static_cast<std::int64_t>(count));
+  };
+  for (std::size_t r = 0; r < kDropReasons; ++r) {
+    add(name_of(static_cast<DropReason>(r)), dropped[r]);
+  }
+  add("damaged", damaged);
+  add("over_budget", counts.late);
+  add("overload", counts.skipped);
+  add("alerts", counts.alerts_lost);
+  status.drop_count = static_cast<std::int32_t>(status.drops.size());
+  status.set_rate_hz = rate_hz(counts.sets - last_sets_, interval);
+  status.sets = static_cast<std::int64_t>(counts.sets);
+  status.set_divisor = counts.divisor;
+  last_sets_ = counts.sets;
+}
+
+std::string StatusReport::text(const status_t& status,
+                               const std::vector<RigCapture::CameraState>& states) {
+  std::string line = fmt::format("{:.1f} frame sets/s", status.set_rate_hz);
+  if (status.set_divisor > 1) {
+    line += fmt::format(", overloaded: one of {} localized", status.set_divisor);
+  }
+  if (status.map_hash.empty()) line += "; no map";
+  if (status.recording != 0) line += fmt::format("; recording to {}", status.recording_path);
+  for (std::size_t c = 0; c < states.size(); ++c) {
+    if (states[c].running) continue;
+    line += fmt::format("; {} missing{}{}", status.cameras[c].name,
+                        states[c].error.empty() ? "" : ": ", states[c].error);
+  }
+  if (!status.reload_refused.empty()) line += "; reload refused: " + status.reload_refused;
+  return line;
+}
+
+}  // namespace waymark

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+#include <waymark/status_t.hpp>
+
+#include "locd/localization_thread.h"
+#include "locd/rig_capture.h"
+
+namespace waymark {
+
+/// Which cameras came and went since the last look, and what a status message says of all of them.
+/// Pure but for its memory of the last second.
+class StatusReport {
+ public:
+  explicit StatusReport(const Rig& rig);
+
+  /// Raised or over: a camera that delivers nothing for a second. A camera that never delivered is
+  /// missing from `grace` after the first look on.
+  [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
+                                                 Stamp now, Stamp grace);
+
+  /// Fills cameras, rates, drops and counts; `interval` since the last call.
+  void fill(const std::vector<RigCapture::CameraState>& states,
+            const LocalizationThread::Counts& counts, Stamp interval, status_t& status);
+
+  /// One line: "OK at 29.9 Hz; cam1 missing: no such device".
+  [[nodiscard]] static std::string text(const status_t& status,
+                                        const std::vector<RigCapture::CameraState>& states);
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<bool> missing_;
+  std::vector<std::uint64_t> last_frames_;
+  std::uint64_t last_sets_ = 0;
+  std::optional<Stamp> first_look_;
+};
+
+}  // namespace waymark
