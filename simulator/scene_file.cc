@@ -5,9 +5,9 @@
 #include <sstream>
 
 #include "core/base/atomic_file.h"
+#include "core/base/toml_fields.h"
 #include "simulator/occlusion.h"
 #include "simulator/scene_layout.h"
-#include "core/base/toml_fields.h"
 
 namespace waymark::simulator {
 namespace {
