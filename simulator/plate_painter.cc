@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "simulator/vector_clones.h"
+
 namespace waymark::simulator {
 
 PlatePainter::PlatePainter(const MarkerPrint& print, const PlateInView& plate, int surface,
@@ -22,7 +24,8 @@ PlatePainter::PlatePainter(const MarkerPrint& print, const PlateInView& plate, i
   }
 }
 
-void PlatePainter::advance(const CornerRays& corners, const SubpixelGrid& grid, float share) {
+WAYMARK_VECTOR_CLONES void PlatePainter::advance(const CornerRays& corners,
+                                                 const SubpixelGrid& grid, float share) {
   std::swap(upper_, lower_);
   const PlaneMap map = plane_.at(share);
   const auto side = static_cast<float>(print_->side_cells());

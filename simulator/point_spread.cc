@@ -1,13 +1,44 @@
 #include "simulator/point_spread.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <span>
+
+#include "core/base/check.h"
+#include "simulator/vector_clones.h"
 
 namespace waymark::simulator {
 namespace {
 
+/// (2·radius + 1)·oversampling at most: 5 px of lens, 5 px of defocus, 8 sub-pixels.
+constexpr std::size_t kMostTaps = 512;
+
 double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::sqrt(2.0)); }
+
+/// Pixels whose sums are held in registers together.
+constexpr std::size_t kBlock = 16;
+
+/// out[x] = Σ weights[k]·inputs[k][x], added in the order of k.
+WAYMARK_VECTOR_CLONES void weighted_sum(std::span<const float* const> inputs, const float* weights,
+                                        std::size_t count, float* out) {
+  std::size_t x = 0;
+  for (; x + kBlock <= count; x += kBlock) {
+    std::array<float, kBlock> sums{};
+    for (std::size_t k = 0; k < inputs.size(); ++k) {
+      const float weight = weights[k];
+      const float* in = inputs[k] + x;
+      for (std::size_t i = 0; i < kBlock; ++i) sums[i] += weight * in[i];
+    }
+    std::copy(sums.begin(), sums.end(), out + x);
+  }
+  for (; x < count; ++x) {
+    float sum = 0;
+    for (std::size_t k = 0; k < inputs.size(); ++k) sum += weights[k] * inputs[k][x];
+    out[x] = sum;
+  }
+}
 
 }  // namespace
 
@@ -23,6 +54,7 @@ PointSpread::PointSpread(double sigma_px, int oversampling) : oversampling_(over
   const double sigma =
       std::sqrt(std::max(sigma_px * sigma_px - width_px * width_px / 12.0, 0.0025));
   const int taps = (2 * radius_px(sigma_px) + 1) * oversampling;
+  WAYMARK_CHECK(static_cast<std::size_t>(taps) <= kMostTaps);
   std::vector<double> weights;
   for (int i = 0; i < taps; ++i) {
     const double from_centre_px = (i + 0.5 - 0.5 * taps) * width_px;
@@ -35,23 +67,19 @@ PointSpread::PointSpread(double sigma_px, int oversampling) : oversampling_(over
 
 void PointSpread::reduce_row(const float* phases, std::size_t stride, std::size_t count,
                              float* out) const {
-  std::fill_n(out, count, 0.0F);
   const auto n = static_cast<std::size_t>(oversampling_);
-  for (std::size_t tap = 0; tap < weights_.size(); ++tap) {
-    const float weight = weights_[tap];
-    const float* in = phases + (tap % n) * stride + tap / n;
-    for (std::size_t x = 0; x < count; ++x) out[x] += weight * in[x];
+  std::array<const float*, kMostTaps> inputs;
+  for (std::size_t first = 0; first < weights_.size(); first += n) {
+    for (std::size_t p = 0; p < n; ++p) inputs[first + p] = phases + p * stride + first / n;
   }
+  weighted_sum({inputs.data(), weights_.size()}, weights_.data(), count, out);
 }
 
 void PointSpread::reduce_column(const float* rows, std::size_t stride, std::size_t count,
                                 float* out) const {
-  std::fill_n(out, count, 0.0F);
-  for (std::size_t tap = 0; tap < weights_.size(); ++tap) {
-    const float weight = weights_[tap];
-    const float* in = rows + tap * stride;
-    for (std::size_t x = 0; x < count; ++x) out[x] += weight * in[x];
-  }
+  std::array<const float*, kMostTaps> inputs;
+  for (std::size_t tap = 0; tap < weights_.size(); ++tap) inputs[tap] = rows + tap * stride;
+  weighted_sum({inputs.data(), weights_.size()}, weights_.data(), count, out);
 }
 
 }  // namespace waymark::simulator

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "simulator/random.h"
+#include "simulator/vector_clones.h"
 
 namespace waymark::simulator {
 namespace {
@@ -45,7 +46,8 @@ Sensor::Sensor(const RenderSettings& settings) : settings_(settings) {
                           normal_deviates_.begin() + kLongestRow);
 }
 
-GrayImage Sensor::expose(const IrradianceImage& light, std::uint64_t seed) const {
+WAYMARK_VECTOR_CLONES GrayImage Sensor::expose(const IrradianceImage& light,
+                                               std::uint64_t seed) const {
   GrayImage image(light.width_px, light.height_px);
   Random random(seed);
   const auto level_per_light = static_cast<float>(settings_.white_level / settings_.white_albedo);

@@ -1,7 +1,11 @@
 #include "simulator/surface_patch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "core/base/check.h"
+#include "simulator/vector_clones.h"
 
 namespace waymark::simulator {
 namespace {
@@ -15,24 +19,39 @@ constexpr float kLeastDepth = 1e-4F;
 
 int nodes_along(int length_px, int step_px) { return length_px / step_px + 2; }
 
+/// Nodes of a row: enough for the widest apron.
+constexpr std::size_t kMostColumns = 256;
+
+/// Plane coordinates (m) that `count` rays hit, every `step`-th of a row.
+WAYMARK_VECTOR_CLONES void hit_plane(const RayTable::Row& row, std::size_t step,
+                                     const PlaneMap& map, std::size_t count, float* across,
+                                     float* above) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const float x = row.x[i * step];
+    const float y = row.y[i * step];
+    const float z = row.z[i * step];
+    const float per_depth =
+        1.0F / std::min(map.depth.x() * x + map.depth.y() * y + map.depth.z() * z, -kLeastDepth);
+    across[i] = (map.across.x() * x + map.across.y() * y + map.across.z() * z) * per_depth;
+    above[i] = (map.above.x() * x + map.above.y() * y + map.above.z() * z) * per_depth;
+  }
+}
+
 /// Plane coordinates (m) that the rays through the nodes hit, node by node.
 template <typename Visit>
 void visit_nodes(const RayTable& rays, const Tile& apron, const PlaneMap& map, int step_px,
                  const Visit& visit) {
-  const int columns = nodes_along(apron.width, step_px);
+  const auto columns = static_cast<std::size_t>(nodes_along(apron.width, step_px));
+  WAYMARK_CHECK(columns <= kMostColumns);
   const int rows = nodes_along(apron.height, step_px);
+  const int first = apron.x0 + rays.padding_px();
+  std::array<float, kMostColumns> across;
+  std::array<float, kMostColumns> above;
   for (int j = 0; j < rows; ++j) {
     const RayTable::Row row = rays.row(apron.y0 + j * step_px);
-    for (int i = 0; i < columns; ++i) {
-      const int k = apron.x0 + i * step_px + rays.padding_px();
-      const float x = row.x[k];
-      const float y = row.y[k];
-      const float z = row.z[k];
-      const float per_depth =
-          1.0F / std::min(map.depth.x() * x + map.depth.y() * y + map.depth.z() * z, -kLeastDepth);
-      visit((map.across.x() * x + map.across.y() * y + map.across.z() * z) * per_depth,
-            (map.above.x() * x + map.above.y() * y + map.above.z() * z) * per_depth);
-    }
+    hit_plane({row.x + first, row.y + first, row.z + first}, static_cast<std::size_t>(step_px), map,
+              columns, across.data(), above.data());
+    for (std::size_t i = 0; i < columns; ++i) visit(across[i], above[i]);
   }
 }
 

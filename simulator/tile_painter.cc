@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "simulator/vector_clones.h"
 
 namespace waymark::simulator {
 namespace {
@@ -109,7 +110,7 @@ bool TilePainter::is_plain(const Tile& tile, const std::vector<CameraView>& view
   });
 }
 
-void TilePainter::find_seen(const SubpixelGrid& grid, float share) {
+WAYMARK_VECTOR_CLONES void TilePainter::find_seen(const SubpixelGrid& grid, float share) {
   const std::size_t columns = grid.columns();
   const std::size_t phases = grid.phases();
   for (std::size_t p = 0; p < phases; ++p) {
@@ -152,7 +153,7 @@ void TilePainter::find_seen(const SubpixelGrid& grid, float share) {
   }
 }
 
-void TilePainter::paint_surfaces(const SubpixelGrid& grid, std::size_t row) {
+WAYMARK_VECTOR_CLONES void TilePainter::paint_surfaces(const SubpixelGrid& grid, std::size_t row) {
   if (one_surface()) {
     patches_.front().interpolate_albedo(grid, row, albedo_.data());
     patches_.front().interpolate_light(grid, row, light_.data());

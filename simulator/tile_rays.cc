@@ -1,20 +1,26 @@
 #include "simulator/tile_rays.h"
 
+#include "simulator/vector_clones.h"
+
 namespace waymark::simulator {
 namespace {
 
 /// Interpolates one coordinate between pixel corners, `down` and phase by phase to the right.
-void interpolate(const float* upper, const float* lower, float down, std::size_t stride,
-                 std::size_t phases, std::vector<float>& out) {
-  out.resize(phases * stride);
-  for (std::size_t p = 0; p < phases; ++p) {
+WAYMARK_VECTOR_CLONES void interpolate(const float* upper, const float* lower, float down,
+                                       std::size_t stride, std::size_t phases,
+                                       std::vector<float>& out) {
+  out.resize(phases * stride + 1);  // and the pixel corner that the last phases lead to
+  float* here = out.data();
+  for (std::size_t i = 0; i <= stride; ++i) here[i] = upper[i] + down * (lower[i] - upper[i]);
+  // The first phase stands there already and is the others' source; only its end is overwritten.
+  const float end = here[stride];
+  for (std::size_t p = 1; p < phases; ++p) {
     const float right = static_cast<float>(p) / static_cast<float>(phases);
     float* values = out.data() + p * stride;
-    for (std::size_t i = 0; i < stride; ++i) {
-      const float here = upper[i] + down * (lower[i] - upper[i]);
-      const float next = upper[i + 1] + down * (lower[i + 1] - upper[i + 1]);
-      values[i] = here + right * (next - here);
+    for (std::size_t i = 0; i + 1 < stride; ++i) {
+      values[i] = here[i] + right * (here[i + 1] - here[i]);
     }
+    values[stride - 1] = here[stride - 1] + right * (end - here[stride - 1]);
   }
 }
 

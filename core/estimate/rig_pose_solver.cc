@@ -14,6 +14,19 @@ void sort_by_score(Candidates& candidates) {
   });
 }
 
+/// Equation (10)'s observation: the one whose own IPPE solution fits its own corners best; nullptr
+/// when none has a solution.
+const FixedMarkerObservation* best_own_fit(std::span<const FixedMarkerObservation> observations) {
+  const FixedMarkerObservation* best = nullptr;
+  for (const FixedMarkerObservation& fixed : observations) {
+    const auto& ippe = fixed.observation->ippe;
+    if (ippe && (best == nullptr || ippe->rms_px[0] < best->observation->ippe->rms_px[0])) {
+      best = &fixed;
+    }
+  }
+  return best;
+}
+
 }  // namespace
 
 RigPoseSolver::RigPoseSolver(const Rig& rig, const RigPoseOptions& options) : options_(options) {
@@ -55,7 +68,22 @@ double RigPoseSolver::rank(std::span<const FixedMarkerObservation> observations,
   return sum(observations, world_from_rig, [k2](double s) { return -k2 * std::expm1(-s / k2); });
 }
 
+void RigPoseSolver::add_candidate(std::span<const FixedMarkerObservation> observations,
+                                  const FixedMarkerObservation& fixed,
+                                  const Rigid3& cam_from_marker) {
+  const Rigid3& cam_from_rig = cam_from_rig_[static_cast<std::size_t>(fixed.observation->camera)];
+  const Rigid3 pose = fixed.world_from_marker * cam_from_marker.inverse() * cam_from_rig;
+  candidates_.push_back({pose, score(observations, pose), candidates_.size()});
+}
+
 void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> observations) {
+  candidates_.clear();
+  if (options_.seed == RigPoseSeed::best_own_fit) {
+    const FixedMarkerObservation* const best = best_own_fit(observations);
+    if (best == nullptr) return;
+    add_candidate(observations, *best, best->observation->ippe->cam_from_marker[0]);
+    return;
+  }
   by_size_.clear();
   for (std::size_t i = 0; i < observations.size(); ++i) {
     if (observations[i].observation->ippe) {
@@ -66,13 +94,9 @@ void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> o
   if (by_size_.size() > static_cast<std::size_t>(options_.max_seed_observations)) {
     by_size_.resize(static_cast<std::size_t>(options_.max_seed_observations));
   }
-  candidates_.clear();
   for (const auto& [size, index] : by_size_) {
-    const FixedMarkerObservation& fixed = observations[index];
-    const Rigid3& cam_from_rig = cam_from_rig_[static_cast<std::size_t>(fixed.observation->camera)];
-    for (const Rigid3& cam_from_marker : fixed.observation->ippe->cam_from_marker) {
-      const Rigid3 pose = fixed.world_from_marker * cam_from_marker.inverse() * cam_from_rig;
-      candidates_.push_back({pose, score(observations, pose), candidates_.size()});
+    for (const Rigid3& cam_from_marker : observations[index].observation->ippe->cam_from_marker) {
+      add_candidate(observations, observations[index], cam_from_marker);
     }
   }
   sort_by_score(candidates_);
@@ -140,23 +164,6 @@ std::optional<RigPoseEstimate> RigPoseSolver::solve(
     estimate.ambiguous = ranked_[1].score - ranked_[0].score < options_.ambiguity_gap;
   }
   return estimate;
-}
-
-std::optional<Rigid3> paper_seed(std::span<const FixedMarkerObservation> observations,
-                                 const Rig& rig) {
-  // Equation (10).
-  const FixedMarkerObservation* best = nullptr;
-  for (const FixedMarkerObservation& fixed : observations) {
-    if (!fixed.observation->ippe) continue;
-    if (best == nullptr ||
-        fixed.observation->ippe->rms_px[0] < best->observation->ippe->rms_px[0]) {
-      best = &fixed;
-    }
-  }
-  if (best == nullptr) return std::nullopt;
-  const RigCamera& camera = rig.cameras[static_cast<std::size_t>(best->observation->camera)];
-  return best->world_from_marker * best->observation->ippe->cam_from_marker[0].inverse() *
-         camera.rig_from_cam.inverse();
 }
 
 }  // namespace waymark

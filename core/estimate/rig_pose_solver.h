@@ -16,6 +16,12 @@ struct FixedMarkerObservation {
   Rigid3 world_from_marker;
 };
 
+/// Where Algorithm 1 starts.
+enum class RigPoseSeed {
+  scored_solutions,  ///< both IPPE solutions of all observations, each scored on all of them
+  best_own_fit,      ///< eq. 10: the better solution of the one observation that fits itself best
+};
+
 /// Options of Algorithm 1. Sigmas are those that the observations are whitened by.
 struct RigPoseOptions {
   ObservationLoss loss;  ///< eq. 9's σ(·)
@@ -26,6 +32,7 @@ struct RigPoseOptions {
   /// which counts every marker that is off alike, however far: two hypotheses that explain as many
   /// markers as each other are then ambiguous.
   std::optional<double> bounded_score_sigmas;
+  RigPoseSeed seed = RigPoseSeed::scored_solutions;
   int max_seed_observations = 64;  ///< (1–1000) give candidates; of more, the largest in the image
   int max_refined = 4;             ///< (2–50) candidates that are optimized
   int max_iterations = 30;         ///< (1–200) of Levenberg–Marquardt
@@ -46,9 +53,10 @@ struct RigPoseEstimate {
 
 /// Algorithm 1: the pose of a rig from the observations of one frame set against fixed markers
 /// (eq. 9). Seeded by both IPPE solutions of all observations of all cameras, each scored
-/// on all observations, so that a flipped marker can't win (the paper's eq. 10 trusts the one
-/// marker that fits itself best). Holds its working memory: one solver per thread, reused, which
-/// allocates nothing once it has seen as many observations.
+/// on all observations, so that a flipped marker can't win (the paper's eq. 10, an option for
+/// comparison, trusts the one marker that fits itself best and knows no runner-up). Holds its
+/// working memory: one solver per thread, reused, which allocates nothing once it has seen as many
+/// observations.
 class RigPoseSolver {
  public:
   /// Keeps a reference to the rig's camera models; the rig must outlive the solver.
@@ -84,6 +92,9 @@ class RigPoseSolver {
   };
 
   void collect_candidates(std::span<const FixedMarkerObservation> observations);
+  /// Takes an observation's IPPE solution as a candidate, with its score on all of them.
+  void add_candidate(std::span<const FixedMarkerObservation> observations,
+                     const FixedMarkerObservation& fixed, const Rigid3& cam_from_marker);
   template <typename Bound>
   [[nodiscard]] double sum(std::span<const FixedMarkerObservation> observations,
                            const Rigid3& world_from_rig, const Bound& bound) const;
@@ -103,10 +114,5 @@ class RigPoseSolver {
   std::vector<PoseOptimum> optima_;
   std::vector<Candidate> ranked_;
 };
-
-/// Eq. 10, the paper's seed, for comparison: world_from_rig by the one observation whose own IPPE
-/// solution fits its own corners best. nullopt when no observation has one.
-[[nodiscard]] std::optional<Rigid3> paper_seed(std::span<const FixedMarkerObservation> observations,
-                                               const Rig& rig);
 
 }  // namespace waymark

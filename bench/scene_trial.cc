@@ -1,0 +1,135 @@
+#include "bench/scene_trial.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <map>
+
+#include "core/base/progress.h"
+#include "core/capture/capture_folder.h"
+#include "core/geometry/tum.h"
+#include "mapbuilder/mapping/detect_capture.h"
+#include "simulator/render_capture.h"
+#include "simulator/rig_library.h"
+#include "simulator/scene_library.h"
+
+namespace waymark::bench {
+namespace {
+
+namespace fs = std::filesystem;
+
+double cpu_s() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// Measures from its construction on.
+class Stopwatch {
+ public:
+  [[nodiscard]] StageTime elapsed() const {
+    const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_;
+    return {wall.count(), cpu_s() - cpu_};
+  }
+
+ private:
+  std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
+  double cpu_ = cpu_s();
+};
+
+/// The first sub-map's trajectory as an evaluation takes it.
+std::vector<Trajectory> trajectories_of(const ObservationTable& table, const SceneCapture& capture,
+                                        const std::vector<LocalizedFrameSet>& localized) {
+  std::map<int, Trajectory> by_camera;
+  for (const LocalizedFrameSet& set : localized) {
+    const TableFrameSet& known = table.frame_sets[static_cast<std::size_t>(set.frame_set)];
+    Trajectory& trajectory = by_camera[known.camera];
+    if (capture.mono) trajectory.camera = fmt::format("cam{}", known.camera);
+    trajectory.poses.push_back({known.stamp, set.world_from_rig});
+  }
+  std::vector<Trajectory> trajectories;
+  for (auto& [camera, trajectory] : by_camera) trajectories.push_back(std::move(trajectory));
+  return trajectories;
+}
+
+}  // namespace
+
+Expected<fs::path> rendered_capture(const fs::path& captures, const std::string& scene,
+                                    const std::string& rig, const std::string& level,
+                                    int positions) {
+  const std::string imaged = rig == "mono" ? "cg120" : rig;
+  const fs::path folder =
+      captures / fmt::format("{}-{}-{}{}", scene, imaged, level,
+                             positions > 0 ? fmt::format("-{}", positions) : std::string());
+  std::error_code ignored;
+  if (fs::exists(folder, ignored)) return folder;
+  const auto building = simulator::load_scene(scene);
+  if (!building) return tl::make_unexpected(building.error());
+  const auto mounted = simulator::load_rig(imaged);
+  if (!mounted) return tl::make_unexpected(mounted.error());
+  simulator::RenderJob job;
+  job.positions = positions;
+  job.settings = level == "drive" ? simulator::drive_level() : simulator::still_level();
+  const std::atomic<bool> stop{false};
+  const auto rendered = simulator::render_capture(*building, *mounted, job, folder, stop);
+  if (!rendered) return tl::make_unexpected(rendered.error());
+  return folder;
+}
+
+Expected<SceneCapture> take_capture(const fs::path& folder, const std::string& scene,
+                                    const std::string& rig) {
+  SceneCapture capture;
+  capture.scene = scene;
+  capture.rig = rig;
+  capture.mono = rig == "mono";
+  const auto opened = open_capture_folder(folder);
+  if (!opened) return tl::make_unexpected(opened.error());
+  Progress progress(false);
+  DetectionReport report;
+  const Stopwatch stopwatch;
+  auto detected = detect_capture(*opened, {}, progress, report);
+  if (!detected) return tl::make_unexpected(detected.error());
+  capture.detection = stopwatch.elapsed();
+  capture.images = report.images;
+  capture.detected = *std::move(detected);
+  auto truth = read_ground_truth(folder / "groundtruth", capture.detected.catalog.only_family());
+  if (!truth) return tl::make_unexpected(truth.error());
+  if (!truth->world_from_marker || !truth->world_from_rig) {
+    return fail(ErrorKind::no_input, "{}: the truth of markers or rig is absent", folder.string());
+  }
+  capture.truth = *std::move(truth);
+  return capture;
+}
+
+Expected<SceneTrial> map_scene(const SceneCapture& capture, const BuildOptions& options) {
+  SceneTrial trial;
+  Progress progress(false);
+  const Stopwatch stopwatch;
+  std::vector<DetectedCapture> captures = {capture.detected};
+  auto table = make_observation_table(std::move(captures), {capture.mono, options.threads});
+  if (!table) return tl::make_unexpected(table.error());
+  trial.table = *std::move(table);
+  trial.built = build_map(trial.table, options, progress);
+  trial.mapping = stopwatch.elapsed();
+  if (trial.built.submaps.empty()) {
+    return fail(ErrorKind::bad_data, "{} {}: no map", capture.scene, capture.rig);
+  }
+  trial.true_markers = capture.truth.world_from_marker->size();
+  trial.frame_sets = static_cast<std::size_t>(
+      std::count_if(trial.table.frame_sets.begin(), trial.table.frame_sets.end(),
+                    [](const TableFrameSet& set) { return set.observation_count > 0; }));
+  const BuiltSubMap& first = trial.built.submaps.front();
+  trial.markers = evaluate_markers(first.map, *capture.truth.world_from_marker);
+  const auto poses = match_with_truth(trajectories_of(trial.table, capture, first.trajectory),
+                                      *capture.truth.world_from_rig, &capture.detected.rig);
+  if (!poses) return tl::make_unexpected(poses.error());
+  trial.cameras = evaluate_cameras(*poses, &trial.markers);
+  return trial;
+}
+
+}  // namespace waymark::bench
