@@ -9,10 +9,23 @@
 namespace waymark {
 namespace {
 
-/// Order of the unknowns: shift at start and end, ln blur, black at start and end, white likewise,
-/// share of the contrast lost beyond the paper's end, outward bow of the middle.
-enum Unknown { kShift0, kShift1, kLogBlur, kBlack0, kBlack1, kWhite0, kWhite1, kPaperEnd, kBow };
-constexpr int kCount = 9;
+/// Order of the unknowns: shift at start and end, ln blur, black at start and end, white likewise
+/// and its unevenness, share of the contrast lost beyond the paper's end, outward bow of the
+/// middle.
+enum Unknown {
+  kShift0,
+  kShift1,
+  kLogBlur,
+  kBlack0,
+  kBlack1,
+  kWhite0,
+  kWhite1,
+  kUneven0,
+  kUneven1,
+  kPaperEnd,
+  kBow
+};
+constexpr int kCount = 11;
 
 using Unknowns = Eigen::Matrix<double, kCount, 1>;
 using Information = Eigen::Matrix<double, kCount, kCount>;
@@ -44,6 +57,12 @@ struct Band {
 Band usable_band(double border_px, double paper_px, double blur_px) {
   const double wide = std::clamp(2.5 * blur_px + 0.5, 2.0, kMaxBandPx);
   return {std::min(wide, std::max(1.0, border_px)), std::clamp(paper_px, 1.0, wide)};
+}
+
+/// What SideAppearance::uneven_grey adds at a place on the side, 0 at both ends.
+Eigen::Vector2d unevenness(double place) {
+  const double middle = 4 * place * (1 - place);
+  return {middle, middle * (1 - 2 * place) / 0.375};
 }
 
 /// One pixel's whiteness and its derivatives.
@@ -183,7 +202,8 @@ void SideFit::add_line(int axis, int line) {
   pixels.steps.paper_px = pixels.steps.paper_px * slant + wider_px;
   if (!(pixels.steps.border_px > 0.5 && pixels.steps.paper_px > 0.5)) return;
   pixels.black = (1 - place) * start_.black_grey[0] + place * start_.black_grey[1];
-  pixels.white = (1 - place) * start_.white_grey[0] + place * start_.white_grey[1];
+  pixels.white = (1 - place) * start_.white_grey[0] + place * start_.white_grey[1] +
+                 unevenness(place).dot(start_.uneven_grey);
 
   const Band band = usable_band(pixels.steps.border_px, pixels.steps.paper_px, start_.blur_px);
   const double a = edge[other] + band.outside_px / pixels.outside.per_px;
@@ -247,8 +267,10 @@ void SideFit::add_sums(const PixelLine& line) {
   const std::array<double, 5> gradient{line.gradient[0], line.gradient[1], line.gradient[2],
                                        line.gradient[3], line.paper_gradient};
   const double s = line.place;
-  constexpr std::array<int, kCount> kLocal{0, 0, 1, 2, 2, 3, 3, 4, 0};
-  const std::array<double, kCount> factor{1 - s, s, 1, 1 - s, s, 1 - s, s, 1, 4 * s * (1 - s)};
+  constexpr std::array<int, kCount> kLocal{0, 0, 1, 2, 2, 3, 3, 3, 3, 4, 0};
+  const Eigen::Vector2d uneven = unevenness(s);
+  const std::array<double, kCount> factor{1 - s,     s,         1, 1 - s,          s, 1 - s, s,
+                                          uneven[0], uneven[1], 1, 4 * s * (1 - s)};
   for (std::size_t u = 0; u < kCount; ++u) {
     const auto i = static_cast<Eigen::Index>(u);
     gradient_[i] += factor[u] * gradient[static_cast<std::size_t>(kLocal[u])];
@@ -272,6 +294,10 @@ void SideFit::add_prior(const SidePrior& prior) {
   add(kBlack1, mean.black_grey[1] - start_.black_grey[1], prior.grey_sigma);
   add(kWhite0, mean.white_grey[0] - start_.white_grey[0], prior.grey_sigma);
   add(kWhite1, mean.white_grey[1] - start_.white_grey[1], prior.grey_sigma);
+  // Light falls evenly but for shadows, whose edges are soft.
+  constexpr double kUnevenShare = 0.1;  // of the contrast
+  add(kUneven0, -start_.uneven_grey[0], kUnevenShare * start_.contrast_grey());
+  add(kUneven1, -start_.uneven_grey[1], kUnevenShare * start_.contrast_grey());
   constexpr double kPaperEndSigma = 0.5;
   add(kPaperEnd, -start_.paper_end, kPaperEndSigma);
   // Sides are straight but for paper and lenses that aren't: Cauchy's prior lets go of a bow that
@@ -295,6 +321,7 @@ std::optional<SideStep> SideFit::solve() const {
       kMinBlurPx, kMaxBlurPx);
   result.appearance.black_grey = start_.black_grey + step.segment<2>(kBlack0);
   result.appearance.white_grey = start_.white_grey + step.segment<2>(kWhite0);
+  result.appearance.uneven_grey = start_.uneven_grey + step.segment<2>(kUneven0);
   result.appearance.paper_end = start_.paper_end + step[kPaperEnd];
   constexpr double kMaxBowStepPx = 1;
   result.appearance.bow_px = start_.bow_px + std::clamp(step[kBow], -kMaxBowStepPx, kMaxBowStepPx);

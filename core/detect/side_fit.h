@@ -10,11 +10,15 @@
 
 namespace waymark {
 
-/// What a side of a marker looks like. Black and white run linearly from the side's start to its
-/// end; the edge between is a Gaussian step.
+/// What a side of a marker looks like. Black runs linearly from the side's start to its end, white
+/// with the light's unevenness besides; the edge between is a Gaussian step.
 struct SideAppearance {
   Eigen::Vector2d black_grey;  ///< at start and end
   Eigen::Vector2d white_grey;
+  /// How much brighter the paper is than linear: in the side's middle, and a quarter before it as
+  /// much as it is darker a quarter behind it. A shadow's edge across a marker would else pass for
+  /// a shift of its sides.
+  Eigen::Vector2d uneven_grey = Eigen::Vector2d::Zero();
   double paper_end = 0;   ///< share of the contrast lost one cell outside, where the paper may end
   double blur_px = 1.0;   ///< standard deviation of point spread and pixel together
   double bow_px = 0;      ///< how far out its middle lies, beyond the camera model
