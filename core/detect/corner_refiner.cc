@@ -297,9 +297,9 @@ std::optional<Failure> Refinement::run() {
 
 /// Variance (px²) of a side's place at its start (0) or end (1).
 double Refinement::shift_variance(std::size_t side, Eigen::Index end) const {
-  // What the last pass still moved is error too. Where the paper is saturated, the true step's
-  // middle lies an unknown part of the blur farther out.
-  constexpr double kSaturationBlurs = 0.4;
+  // What the last pass still moved is error too. Where the paper is saturated, only the step's foot
+  // is seen, and what is extrapolated from it lies up to a part of the blur off.
+  constexpr double kSaturationBlurs = 0.15;
   const double hidden_px =
       kSaturationBlurs * steps_[side].saturated_share * appearances_[side].blur_px;
   return steps_[side].covariance(end, end) + last_shift_px_ * last_shift_px_ +

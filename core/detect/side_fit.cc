@@ -36,8 +36,9 @@ constexpr double kOutlierNoises = 4;
 constexpr double kBentPx = 0.5;
 /// Rounding to 8 bits and what the model leaves out keep the noise above this (grey levels).
 constexpr double kMinNoiseGrey = 0.7;
-/// Grey levels from here on say only that there was more light.
-constexpr double kSaturatedGrey = 254;
+/// Grey levels from here on say only that there was that much light or more: the sensor's limit,
+/// less what its noise and JPEG take off it.
+constexpr double kSaturatedGrey = 250;
 constexpr double kMinBlurPx = 0.25;
 constexpr double kMaxBlurPx = 4;
 constexpr double kMaxBandPx = 8;
@@ -234,7 +235,14 @@ void SideFit::add_pixel(PixelLine& line, double beyond_edge_px, double grey) {
   const Whiteness w = whiteness_at(line.outside.at(beyond_edge_px), line.steps, start_.paper_end,
                                    blurs_per_px_, open_share);
   const double contrast = line.white - line.black;
-  const double residual = grey - (line.black + contrast * w.value);
+  const double expected = line.black + contrast * w.value;
+  const bool saturated = grey >= kSaturatedGrey;
+  if (w.value > 0.5) {
+    ++paper_pixels_;
+    if (saturated) ++saturated_pixels_;
+  }
+  if (saturated && expected >= kSaturatedGrey) return;  // as it must be, and it tells no more
+  const double residual = grey - expected;
   const double outlying = residual / outlier_grey_;
   const double root = 1 / (1 + outlying * outlying);
   const double weight = root * root;
@@ -252,8 +260,6 @@ void SideFit::add_pixel(PixelLine& line, double beyond_edge_px, double grey) {
   weights_ += weight;
   weighted_squares_ += weight * residual * residual;
   ++pixels_;
-  if (w.value > 0.5) ++paper_pixels_;
-  if (grey >= kSaturatedGrey) ++saturated_pixels_;
 }
 
 /// Spreads a line's sums over the side's unknowns: each is one of the local ones times a function
