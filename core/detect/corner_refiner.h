@@ -56,9 +56,9 @@ enum class RefineFailure {
 ///
 /// On rendered markers from 45 px side up, tilted to 60°, PSF σ 0.6–1.0 px, noise 2 grey levels:
 /// 0.015 px RMS per axis, edges within 0.001 px (bench_detect_corners). Unbiased for a linear
-/// sensor; the sRGB response makes white grow: every edge moves inward by 0.25 px at σ 0.8 px, and
-/// saturated paper does likewise, which no fit of one edge can tell; the covariances grow with the
-/// saturated share.
+/// sensor; the sRGB response makes white grow: every edge moves inward by 0.25 px at σ 0.8 px.
+/// Of saturated paper only the step's foot is seen; its covariances grow with the saturated share.
+/// A shadow's soft edge across a marker is part of the model.
 [[nodiscard]] tl::expected<RefinedCorners, RefineFailure> refine_corners(
     const GrayView& image, const CameraModel& camera, const ImageCorners& rough,
     const MarkerBits& bits, const RefineOptions& options = {});

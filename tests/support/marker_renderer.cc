@@ -92,6 +92,12 @@ double srgb_response(double light) {
   return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
 }
 
+/// A soft shadow's depth, 0…1, at a place in penumbra widths from its middle.
+double shade(double place) {
+  const double s = std::clamp(place + 0.5, 0.0, 1.0);
+  return s * s * (3 - 2 * s);
+}
+
 }  // namespace
 
 GrayImage render_markers(const CameraModel& camera, std::span<const RenderedMarker> markers,
@@ -107,7 +113,8 @@ GrayImage render_markers(const CameraModel& camera, std::span<const RenderedMark
   GrayImage image(width, height);
   for (std::size_t i = 0; i < light.size(); ++i) {
     const double x = static_cast<double>(i % static_cast<std::size_t>(width)) / width - 0.5;
-    const double lit = light[i] * (1 + options.gradient_grey * x / 255);
+    const double lit = light[i] * (1 + options.gradient_grey * x / 255) *
+                       (1 - options.shadow_share * shade(x * width / options.penumbra_px));
     const double response = options.srgb ? srgb_response(lit) : lit;
     const double grey = response + options.noise_grey * noise(generator);
     image.pixels[i] = static_cast<std::uint8_t>(std::clamp(std::lround(grey), 0L, 255L));

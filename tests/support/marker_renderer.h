@@ -28,8 +28,10 @@ struct RenderOptions {
   double psf_sigma_px = 0.8;  ///< Gaussian point spread, on top of the pixel's own square
   double noise_grey = 2.0;    ///< white Gaussian noise (grey levels)
   double gradient_grey =
-      0.0;            ///< light grows by this over the image's width (grey levels, at white)
-  bool srgb = false;  ///< the sRGB response instead of a linear one
+      0.0;  ///< light grows by this over the image's width (grey levels, at white)
+  double shadow_share = 0.0;  ///< of the light, that a shadow takes of the image's right half…
+  double penumbra_px = 60.0;  ///< …over this width about the middle
+  bool srgb = false;          ///< the sRGB response instead of a linear one
   std::uint64_t seed = 1;
 };
 

@@ -244,14 +244,29 @@ TEST(RefineCorners, AMarkerCutByTheImageEdgeDoesNotReadOutside) {
   EXPECT_FALSE(refine_corners(tiny.view(), scene.camera, scene.truth(), scene.bits));
 }
 
-TEST(RefineCorners, SaturatedPaperShiftsEdgesAndItsCovariancesSaySo) {
+TEST(RefineCorners, AShadowsEdgeAcrossAMarkerDoesNotShiftIt) {
+  CornerTrials trials;
+  trials.min_side_px = 70;
+  trials.max_side_px = 120;
+  trials.max_tilt_deg = 30;
+  trials.image.noise_grey = 1;
+  const CornerErrors even = run_corner_trials(trial_camera(), trials);
+  trials.image.shadow_share = 0.3;
+  trials.image.penumbra_px = 150;
+  const CornerErrors shaded = run_corner_trials(trial_camera(), trials);
+  EXPECT_EQ(shaded.refined, trials.count);
+  EXPECT_LT(shaded.rms_px, 2 * even.rms_px);
+  EXPECT_LT(shaded.normalized_squares, 2 * 2);
+}
+
+TEST(RefineCorners, SaturatedPaperHardlyShiftsEdgesAndItsCovariancesSaySo) {
   CornerTrials trials;
   trials.white = 330;  // clipped at 255
   trials.image.background = 150;
   trials.count = 40;
   const CornerErrors errors = run_corner_trials(trial_camera(), trials);
   EXPECT_GE(errors.refined, trials.count - 2);
-  EXPECT_LT(std::abs(errors.edge_bias_px), 0.35);
+  EXPECT_LT(std::abs(errors.edge_bias_px), 0.03);
   EXPECT_LT(errors.normalized_squares, 2 * 4) << "not far beyond two standard deviations";
 
   const Scene unsaturated;
