@@ -164,7 +164,8 @@ std::vector<int> Growth::mapped_markers_per_frame_set(const MapState& state) con
   return count;
 }
 
-void Growth::grow(int seed, MapState& state, const AdjustJointly& adjust, const Report& report) {
+void Growth::grow(int seed, MapState& state, const AdjustFresh& adjust_fresh,
+                  const AdjustJointly& adjust, const Report& report) {
   RigPoseEstimate origin;  // the seed's frame is the world
   state.rigs[static_cast<std::size_t>(seed)] = origin;
 
@@ -229,7 +230,9 @@ void Growth::grow(int seed, MapState& state, const AdjustJointly& adjust, const 
   std::size_t adjusted_at = 0;
   for (auto next = next_markers(); !next.empty(); next = next_markers()) {
     std::set<int> dirty_sets;
+    std::vector<int> fresh;
     for (const auto& [marker, world_from_marker] : next) {
+      fresh.push_back(marker);
       for (Firmness& level : levels) {
         level.waiting.erase(marker);
         level.dirty.erase(marker);
@@ -242,6 +245,7 @@ void Growth::grow(int seed, MapState& state, const AdjustJointly& adjust, const 
       }
     }
     localize({dirty_sets.begin(), dirty_sets.end()}, state);
+    adjust_fresh(fresh, state);
     const bool due = static_cast<double>(placed) >=
                      options_.adjust_growth * static_cast<double>(adjusted_at) + 2.0;
     if (due) {

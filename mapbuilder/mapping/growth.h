@@ -37,13 +37,16 @@ struct GrowthOptions {
 class Growth {
  public:
   using AdjustJointly = std::function<void(MapState&)>;
+  /// Adjusts these markers (table indices) and the frame sets that see them, all else held.
+  using AdjustFresh = std::function<void(const std::vector<int>& markers, MapState&)>;
   using Report = std::function<void(std::size_t placed, std::size_t localized)>;
 
   Growth(const ObservationTable& table, const Component& component, const GrowthOptions& options);
 
   /// Grows `state` from `seed` (which becomes the world frame) until nothing is left that can be
   /// placed or localized.
-  void grow(int seed, MapState& state, const AdjustJointly& adjust, const Report& report);
+  void grow(int seed, MapState& state, const AdjustFresh& adjust_fresh, const AdjustJointly& adjust,
+            const Report& report);
 
   /// A flip chosen early is reconsidered: every localized frame set and every placed marker of the
   /// component is solved afresh from all its IPPE solutions on its accepted observations; the best

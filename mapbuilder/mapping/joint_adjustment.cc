@@ -7,7 +7,6 @@
 
 #include "core/estimate/corner_residual.h"
 #include "mapbuilder/mapping/block_cholesky.h"
-#include "mapbuilder/mapping/joint_problem.h"
 
 namespace waymark {
 namespace {
@@ -92,8 +91,9 @@ JointUnknowns minimize(JointProblem& problem, const AdjustmentOptions& options,
         summary.final_cost = cost;
       }
       // Nothing left to win, be the step taken or lost in rounding.
-      if (std::max(decrease, promised) <= options.function_tolerance * summary.final_cost ||
-          summary.final_cost == 0.0) {
+      constexpr double kNegligible = 1e-9;  // sigmas²
+      if (std::max(decrease, promised) <=
+          options.function_tolerance * summary.final_cost + kNegligible) {
         summary.converged = true;
         break;
       }
@@ -111,13 +111,13 @@ JointUnknowns minimize(JointProblem& problem, const AdjustmentOptions& options,
 }  // namespace
 
 AdjustmentSummary adjust_jointly(const ObservationTable& table,
-                                 std::span<const std::size_t> observations, int anchor,
+                                 std::span<const std::size_t> observations, const HeldPoses& held,
                                  const AdjustmentOptions& options, MapState& state) {
   AdjustmentSummary summary;
   const std::vector<std::size_t> used = participating(table, observations, state);
   summary.observations = used.size();
   if (used.empty()) return summary;
-  JointProblem problem(table, used, state, anchor, {}, options.loss, options.threads);
+  JointProblem problem(table, used, state, held, {}, options.loss, options.threads);
   const JointUnknowns optimum = minimize(problem, options, summary);
   for (std::size_t m = 0; m < problem.markers().size(); ++m) {
     state.world_from_marker[static_cast<std::size_t>(problem.markers()[m])] =

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "mapbuilder/mapping/map_state.h"
+#include "mapbuilder/mapping/joint_problem.h"
 
 namespace waymark {
 
@@ -30,10 +30,10 @@ struct AdjustmentSummary {
 /// Equation 11: all placed markers and all localized frame sets together, extrinsics and
 /// intrinsics fixed, by Levenberg–Marquardt over the reduced marker system. Uses the given
 /// observations as far as both their ends are posed, they are accepted and not grossly off, and
-/// their frame set has at least two of them (a single one only fixes its own rig). `anchor` is the
-/// frame set that stays where it is. Updates the state's poses.
+/// their frame set has at least two of them (a single one only fixes its own rig). Updates the
+/// poses of the state that are not held.
 AdjustmentSummary adjust_jointly(const ObservationTable& table,
-                                 std::span<const std::size_t> observations, int anchor,
+                                 std::span<const std::size_t> observations, const HeldPoses& held,
                                  const AdjustmentOptions& options, MapState& state);
 
 }  // namespace waymark

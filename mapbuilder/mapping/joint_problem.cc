@@ -51,18 +51,21 @@ struct JointProblem::Linearized {
 };
 
 JointProblem::JointProblem(const ObservationTable& table, std::span<const std::size_t> observations,
-                           const MapState& state, int anchor, const FreeCalibration& free,
-                           const ObservationLoss& loss, int threads)
+                           const MapState& state, const HeldPoses& held,
+                           const FreeCalibration& free, const ObservationLoss& loss, int threads)
     : free_(free), loss_(loss), threads_(threads) {
-  number_unknowns(table, observations, state, anchor);
+  number_unknowns(table, observations, state, held);
   cut_into_slices();
 }
 
 void JointProblem::number_unknowns(const ObservationTable& table,
                                    std::span<const std::size_t> observations, const MapState& state,
-                                   int anchor) {
-  // Markers by index, frame sets by index: the canonical order.
-  std::map<int, int> marker_slot;
+                                   const HeldPoses& held) {
+  // Free markers by index, held ones, frame sets by index: the canonical order.
+  const auto is_held = [&](int marker) {
+    return !held.markers.empty() && held.markers[static_cast<std::size_t>(marker)] != 0;
+  };
+  std::map<std::pair<bool, int>, int> marker_slot;  // (held, index)
   std::map<double, int> size_class;
   for (const double size_m : table.sizes_m) size_class.emplace(size_m, 0);
   for (auto& [size_m, index] : size_class) {
@@ -70,11 +73,14 @@ void JointProblem::number_unknowns(const ObservationTable& table,
     start_.size_factor.push_back(1.0);
   }
   for (const std::size_t index : observations) {
-    marker_slot.emplace(table.observations[index].marker, 0);
+    const int marker = table.observations[index].marker;
+    marker_slot.emplace(std::pair{is_held(marker), marker}, 0);
   }
-  for (auto& [marker, slot] : marker_slot) {
+  for (auto& [key, slot] : marker_slot) {
+    const auto [held_marker, marker] = key;
     slot = static_cast<int>(markers_.size());
     markers_.push_back(marker);
+    if (!held_marker) layout_.markers = layout_.blocks = slot + 1;
     start_.world_from_marker.push_back(*state.world_from_marker[static_cast<std::size_t>(marker)]);
   }
   std::vector<std::size_t> camera_offset;
@@ -84,15 +90,14 @@ void JointProblem::number_unknowns(const ObservationTable& table,
   }
   start_.edge_bias_px.assign(start_.cameras.size(), 0.0);
 
-  layout_.markers = layout_.blocks = static_cast<int>(markers_.size());
   const auto number = [&](bool is_free) { return is_free ? layout_.blocks++ : -1; };
   for (std::size_t r = 0; r < table.rigs.size(); ++r) {
     for (std::size_t c = 0; c < table.rigs[r].cameras.size(); ++c) {
       layout_.extrinsics.push_back(number(free_.extrinsics && c > 0));
       layout_.focal.push_back(number(free_.intrinsics));
-      layout_.lens.push_back(number(
-          free_.intrinsics &&
-          table.rigs[r].cameras[c].model.parameters().distortion != Distortion::none));
+      layout_.lens.push_back(
+          number(free_.intrinsics &&
+                 table.rigs[r].cameras[c].model.parameters().distortion != Distortion::none));
       layout_.edge_bias.push_back(number(free_.edge_bias));
     }
   }
@@ -113,7 +118,7 @@ void JointProblem::number_unknowns(const ObservationTable& table,
       FrameSetSlot set;
       set.first = observations_.size();
       set.camera_offset = camera_offset[static_cast<std::size_t>(table.frame_sets[f].rig)];
-      set.fixed = o.frame_set == anchor;
+      set.fixed = o.frame_set == held.frame_set;
       sets_.push_back(set);
       frame_set_indices_.push_back(o.frame_set);
       start_.world_from_rig.push_back(state.rigs[f]->best.pose);
@@ -122,15 +127,16 @@ void JointProblem::number_unknowns(const ObservationTable& table,
     ++set.count;
     ObservationSlot slot;
     slot.observation = &o;
-    slot.marker = marker_slot.at(o.marker);
+    slot.marker = marker_slot.at({is_held(o.marker), o.marker});
+    slot.block = slot.marker < layout_.markers ? slot.marker : -1;
     slot.size_class = size_class.at(table.sizes_m[static_cast<std::size_t>(o.marker)]);
     slot.camera = static_cast<int>(set.camera_offset) + o.camera;
     if (free_.edge_bias) slot.outward = outward_of(o.corners_px);
     observations_.push_back(slot);
     const auto camera = static_cast<std::size_t>(slot.camera);
-    for (const int block : {slot.marker, layout_.extrinsics[camera], layout_.focal[camera],
-                            layout_.lens[camera], layout_.edge_bias[camera],
-                            layout_.size[static_cast<std::size_t>(slot.size_class)]}) {
+    for (const int block :
+         {slot.block, layout_.extrinsics[camera], layout_.focal[camera], layout_.lens[camera],
+          layout_.edge_bias[camera], layout_.size[static_cast<std::size_t>(slot.size_class)]}) {
       if (block >= 0) set.kept.push_back(block);
     }
   }
@@ -160,8 +166,8 @@ double JointProblem::observation_cost(const JointUnknowns& at, std::size_t set_s
   const CornerChain chain(at.cameras[camera].model, at.cameras[camera].rig_from_cam.inverse(),
                           at.world_from_rig[set_slot],
                           at.world_from_marker[static_cast<std::size_t>(observation.marker)]);
-  const auto x_in_marker = marker_corners(
-      o.size_m * at.size_factor[static_cast<std::size_t>(observation.size_class)]);
+  const auto x_in_marker =
+      marker_corners(o.size_m * at.size_factor[static_cast<std::size_t>(observation.size_class)]);
   double s = 0;
   for (std::size_t i = 0; i < 4; ++i) {
     Eigen::Vector2d observed = o.corners_px[i];
@@ -199,8 +205,8 @@ void JointProblem::linearize(const JointUnknowns& at, std::size_t set_slot,
       at.world_from_marker[static_cast<std::size_t>(observation.marker)];
   const CornerChain chain(at.cameras[camera].model, at.cameras[camera].rig_from_cam.inverse(),
                           at.world_from_rig[set_slot], world_from_marker);
-  const auto x_in_marker = marker_corners(
-      o.size_m * at.size_factor[static_cast<std::size_t>(observation.size_class)]);
+  const auto x_in_marker =
+      marker_corners(o.size_m * at.size_factor[static_cast<std::size_t>(observation.size_class)]);
 
   result.part_count = 0;
   const auto part_for = [&](int block) -> Jacobian86* {
@@ -210,7 +216,7 @@ void JointProblem::linearize(const JointUnknowns& at, std::size_t set_slot,
     part.jacobian.setZero();
     return &part.jacobian;
   };
-  Jacobian86& by_marker = *part_for(observation.marker);
+  Jacobian86* by_marker = part_for(observation.block);
   Jacobian86* by_extrinsics = part_for(layout_.extrinsics[camera]);
   Jacobian86* by_focal = part_for(layout_.focal[camera]);
   Jacobian86* by_lens = part_for(layout_.lens[camera]);
@@ -229,12 +235,11 @@ void JointProblem::linearize(const JointUnknowns& at, std::size_t set_slot,
     const Eigen::Matrix2d& w = o.whitening[i];
     if (!residual) {  // only at a start outside the domain: cost() never leads here
       result.residual.segment<2>(row).setZero();
-      by_marker.middleRows<2>(row).setZero();
       result.rig.middleRows<2>(row).setZero();
       continue;
     }
     result.residual.segment<2>(row) = w * *residual;
-    by_marker.middleRows<2>(row) = w * jacobians.d_marker;
+    if (by_marker != nullptr) by_marker->middleRows<2>(row) = w * jacobians.d_marker;
     result.rig.middleRows<2>(row) = w * jacobians.d_rig;
     if (by_extrinsics != nullptr) {
       by_extrinsics->middleRows<2>(row) = w * calibration.d_extrinsics;
@@ -379,8 +384,9 @@ ReducedSystem JointProblem::reduce(const JointUnknowns& at, double damping) {
   }
   // Rows that nothing touches: the padding of calibration blocks.
   for (int block = 0; block < layout_.blocks; ++block) {
-    Matrix6d& diagonal = system.information.blocks[static_cast<std::size_t>(
-        pattern_.first[static_cast<std::size_t>(block)])];
+    Matrix6d& diagonal =
+        system.information
+            .blocks[static_cast<std::size_t>(pattern_.first[static_cast<std::size_t>(block)])];
     for (int r = 0; r < 6; ++r) {
       if (system.kept_diagonal[6 * block + r] == 0.0) diagonal(r, r) = 1.0;
     }
@@ -398,7 +404,8 @@ JointUnknowns JointProblem::moved(const JointUnknowns& from, const Eigen::Vector
   for (std::size_t c = 0; c < to.cameras.size(); ++c) {
     RigCamera& camera = to.cameras[c];
     if (layout_.extrinsics[c] >= 0) {
-      camera.rig_from_cam = camera.rig_from_cam.plus(kept_step.segment<6>(6 * layout_.extrinsics[c]));
+      camera.rig_from_cam =
+          camera.rig_from_cam.plus(kept_step.segment<6>(6 * layout_.extrinsics[c]));
     }
     if (layout_.focal[c] >= 0) {
       CameraParameters parameters = camera.model.parameters();

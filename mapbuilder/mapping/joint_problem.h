@@ -12,11 +12,17 @@ namespace waymark {
 
 /// What may move beside the poses of markers and rigs.
 struct FreeCalibration {
-  bool extrinsics = false;    ///< rig_from_cam of every camera but each rig's first
-  bool intrinsics = false;    ///< fu fv pu pv and the lens's coefficients of every camera
-  bool sizes = false;         ///< one factor per stated size
-  bool edge_bias = false;     ///< how far each camera's edges lie outside (px), all alike
+  bool extrinsics = false;  ///< rig_from_cam of every camera but each rig's first
+  bool intrinsics = false;  ///< fu fv pu pv and the lens's coefficients of every camera
+  bool sizes = false;       ///< one factor per stated size
+  bool edge_bias = false;   ///< how far each camera's edges lie outside (px), all alike
   [[nodiscard]] bool any() const { return extrinsics || intrinsics || sizes || edge_bias; }
+};
+
+/// What stays where it is.
+struct HeldPoses {
+  int frame_set = -1;         ///< table index; −1: none
+  std::vector<char> markers;  ///< per marker of the table, ≠ 0: held; empty: none
 };
 
 /// Values of all unknowns. World frame: the map state's.
@@ -38,21 +44,21 @@ struct ReducedSystem {
 };
 
 /// Equation 11 as a least squares problem over markers and rigs (and, if asked, the calibration),
-/// extrinsics and intrinsics else fixed. Kept blocks of six: markers by slot, then the calibration's
-/// (unused rows carry a unit diagonal). Sums run over a fixed number of slices in a fixed order: the
-/// result does not depend on the number of threads.
+/// extrinsics and intrinsics else fixed. Kept blocks of six: markers by slot, then the
+/// calibration's (unused rows carry a unit diagonal). Sums run over a fixed number of slices in a
+/// fixed order: the result does not depend on the number of threads.
 class JointProblem {
  public:
-  /// Observations must have both ends posed. `anchor` is the frame set that stays where it is; −1:
-  /// none. `threads` ≥ 1.
+  /// Observations must have both ends posed. `threads` ≥ 1.
   JointProblem(const ObservationTable& table, std::span<const std::size_t> observations,
-               const MapState& state, int anchor, const FreeCalibration& free,
+               const MapState& state, const HeldPoses& held, const FreeCalibration& free,
                const ObservationLoss& loss, int threads);
 
   /// Further residuals on kept blocks alone (survey, priors).
   void add(const KeptFactor& factor) { factors_.push_back(&factor); }
 
   [[nodiscard]] const JointUnknowns& start() const { return start_; }
+  /// Table indices of the markers that take part: the free ones by block, then the held ones.
   [[nodiscard]] const std::vector<int>& markers() const { return markers_; }
   [[nodiscard]] const std::vector<int>& frame_sets() const { return frame_set_indices_; }
   [[nodiscard]] const KeptLayout& layout() const { return layout_; }
@@ -61,12 +67,13 @@ class JointProblem {
   /// ½ Σ ρ; infinite when a corner leaves its camera's domain.
   [[nodiscard]] double cost(const JointUnknowns& at) const;
 
-  /// Linearizes at `at`, with H_rr damped by (1 + damping) on its diagonal. Remembers what `rig_steps`
-  /// needs.
+  /// Linearizes at `at`, with H_rr damped by (1 + damping) on its diagonal. Remembers what
+  /// `rig_steps` needs.
   [[nodiscard]] ReducedSystem reduce(const JointUnknowns& at, double damping);
 
   /// Unknowns moved by a step of the kept blocks and the rig steps that follow from it (of the last
-  /// reduce). `promised`: ½ δᵀ(λDδ − g) of the rigs, the decrease the quadratic model expects of them.
+  /// reduce). `promised`: ½ δᵀ(λDδ − g) of the rigs, the decrease the quadratic model expects of
+  /// them.
   [[nodiscard]] JointUnknowns moved(const JointUnknowns& from, const Eigen::VectorXd& kept_step,
                                     double& promised) const;
 
@@ -82,6 +89,7 @@ class JointProblem {
   struct ObservationSlot {
     const TableObservation* observation = nullptr;
     int marker = 0;  ///< slot
+    int block = 0;   ///< of the marker; −1: held
     int size_class = 0;
     int camera = 0;
     std::array<Eigen::Vector2d, 4> outward;  ///< how a corner moves per px of edge bias
@@ -102,7 +110,7 @@ class JointProblem {
   struct Linearized;
 
   void number_unknowns(const ObservationTable& table, std::span<const std::size_t> observations,
-                       const MapState& state, int anchor);
+                       const MapState& state, const HeldPoses& held);
   void cut_into_slices();
   [[nodiscard]] double observation_cost(const JointUnknowns& at, std::size_t set_slot,
                                         const ObservationSlot& observation) const;

@@ -55,10 +55,15 @@ class ComponentBuilder {
     progress_.begin("growing the map", component_.markers.size());
     growth.grow(
         anchor_, state_,
+        [&](const std::vector<int>& markers, MapState& state) { adjust_fresh(markers, state); },
         [&](MapState& state) {
+          // Sigmas as large as what growth has piled up: then the loss bends for outliers alone,
+          // and a few steps lead to the optimum.
+          adapt_noise();
           adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_});
           adapt_noise();
-          if (growth.reconsider(state) > 0) adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_});
+          if (growth.reconsider(state) > 0)
+            adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_});
         },
         [&](std::size_t placed, std::size_t localized) {
           progress_.update(placed, fmt::format("{} of {} frame sets localized", localized,
@@ -77,9 +82,31 @@ class ComponentBuilder {
   /// Adjusts jointly; frame sets with one accepted marker take no part and follow.
   AdjustmentSummary adjust(const Growth& growth, const AdjustmentOptions& options) {
     const AdjustmentSummary summary =
-        adjust_jointly(table_, observations_, anchor_, options, state_);
+        adjust_jointly(table_, observations_, {anchor_, {}}, options, state_);
     growth.localize_unadjusted(state_);
     return summary;
+  }
+
+  /// Adjusts markers that were just placed, with the frame sets that see them, against the rest:
+  /// what is placed next rests on them.
+  void adjust_fresh(const std::vector<int>& markers, MapState& state) const {
+    HeldPoses held{anchor_, std::vector<char>(table_.markers.size(), 1)};
+    std::set<int> sets;
+    for (const int marker : markers) {
+      held.markers[static_cast<std::size_t>(marker)] = 0;
+      for (const std::size_t index :
+           table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
+        sets.insert(table_.observations[index].frame_set);
+      }
+    }
+    std::vector<std::size_t> observations;
+    for (const int frame_set : sets) {
+      const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
+      for (std::size_t i = 0; i < set.observation_count; ++i) {
+        observations.push_back(set.first_observation + i);
+      }
+    }
+    adjust_jointly(table_, observations, held, {options_.loss, 6, 1e-2, 1e-6, threads_}, state);
   }
 
   /// Re-estimates the model's sigma and the whitening that follows from it; returns its relative
@@ -110,6 +137,7 @@ class ComponentBuilder {
   void settle(const Growth& growth) {
     constexpr double kNoiseSettled = 0.02;
     progress_.begin("adjusting jointly", static_cast<std::size_t>(options_.max_passes));
+    adapt_noise();
     for (int pass = 0; pass < options_.max_passes; ++pass) {
       adjust(growth, {options_.loss, 30, 1e-4, 1e-8, threads_});
       const double noise_change = adapt_noise();
@@ -212,8 +240,8 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
   }
   result.map.frame_sets = static_cast<std::uint32_t>(result.trajectory.size());
 
-  const MarkerInformation information =
-      marker_information(table, observations, options.loss, effective_threads(options.threads), state);
+  const MarkerInformation information = marker_information(
+      table, observations, options.loss, effective_threads(options.threads), state);
   const std::vector<Matrix6d> covariances = marker_covariances(information);
   result.covariances_known = !covariances.empty() || part.markers.size() < 2;
   const Matrix6d turn = left_motion_jacobian(world_from_built);
@@ -227,7 +255,8 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
     marker.rejected = rejected[m];
     marker.rms_px = per_marker[m].rms_px();
     marker.verified = independent[m] >= 2;
-    const auto slot = std::lower_bound(information.markers.begin(), information.markers.end(), index);
+    const auto slot =
+        std::lower_bound(information.markers.begin(), information.markers.end(), index);
     if (!covariances.empty() && slot != information.markers.end() && *slot == index) {
       const Matrix6d& covariance =
           covariances[static_cast<std::size_t>(slot - information.markers.begin())];

@@ -28,10 +28,8 @@ int best_known(const BlockMatrix& information) {
   double most = -1;
   for (int i = 0; i < information.pattern.columns(); ++i) {
     const int diagonal = information.pattern.first[static_cast<std::size_t>(i)];
-    const double trace = information.blocks[static_cast<std::size_t>(diagonal)]
-                             .diagonal()
-                             .head<3>()
-                             .sum();
+    const double trace =
+        information.blocks[static_cast<std::size_t>(diagonal)].diagonal().head<3>().sum();
     if (trace > most) {
       most = trace;
       best = i;
@@ -68,7 +66,7 @@ MarkerInformation marker_information(const ObservationTable& table,
   for (const std::size_t index : observations) {
     if (state.accepted[index] != 0 && state.posed(table.observations[index])) used.push_back(index);
   }
-  JointProblem problem(table, used, state, -1, {}, loss, threads);
+  JointProblem problem(table, used, state, {}, {}, loss, threads);
   MarkerInformation result;
   result.information = problem.reduce(problem.start(), 0.0).information;
   result.markers = problem.markers();

@@ -23,11 +23,11 @@ struct MarkerInformation {
                                                    const ObservationLoss& loss, int threads,
                                                    const MapState& state);
 
-/// Marginal covariance of each marker's pose (order of `markers`) in the gauge that removes the mean
-/// motion of all marker positions: C = P S⁻ Pᵀ with P = I − N (GᵀN)⁻¹ Gᵀ, N the motions of the
+/// Marginal covariance of each marker's pose (order of `markers`) in the gauge that removes the
+/// mean motion of all marker positions: C = P S⁻ Pᵀ with P = I − N (GᵀN)⁻¹ Gᵀ, N the motions of the
 /// world, G their position rows (of positions on a line: all rows, else the turn about the line is
-/// undetermined). S⁻ fixes one marker; its block diagonal comes from the factor's own pattern. Empty
-/// when S is not positive definite without the six freedoms: the map has looser parts.
+/// undetermined). S⁻ fixes one marker; its block diagonal comes from the factor's own pattern.
+/// Empty when S is not positive definite without the six freedoms: the map has looser parts.
 [[nodiscard]] std::vector<Matrix6d> marker_covariances(const MarkerInformation& information);
 
 }  // namespace waymark

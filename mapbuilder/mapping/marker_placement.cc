@@ -35,6 +35,21 @@ std::optional<PoseOptimum> refine(std::span<const PlacementView> views, const Ri
   });
 }
 
+/// How much worse than noise alone the views fit: the median of their squared residuals against
+/// its expectation, at least 1. Rigs that stand a little wrong make every view misfit, and a gap
+/// between hypotheses says as much less.
+double misfit(std::span<const PlacementView> views, const Rigid3& world_from_marker) {
+  constexpr double kMedianOfChiSquare8 = 7.344;
+  std::vector<double> squared;
+  squared.reserve(views.size());
+  for (const PlacementView& view : views) {
+    squared.push_back(better_rig_pose(view, world_from_marker).second);
+  }
+  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
+  std::nth_element(squared.begin(), middle, squared.end());
+  return std::max(1.0, *middle / kMedianOfChiSquare8);
+}
+
 struct Hypothesis {
   Rigid3 world_from_marker;
   double score = 0;
@@ -112,7 +127,7 @@ std::optional<PlacementEstimate> place_marker(std::span<const PlacementView> vie
   estimate.best = optima[ranked[0].second];
   if (ranked.size() > 1) {
     estimate.runner_up = optima[ranked[1].second];
-    estimate.gap = ranked[1].first - ranked[0].first;
+    estimate.gap = (ranked[1].first - ranked[0].first) / misfit(views, estimate.best.pose);
   }
   return estimate;
 }

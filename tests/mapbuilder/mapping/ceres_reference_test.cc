@@ -47,9 +47,8 @@ TEST_P(CeresReference, TheAdjustmentFindsTheSameOptimum) {
   }
   const MapState start = test::true_state(room, table);
   MapState state = start;
-  const auto summary =
-      adjust_jointly(table, test::all_observations(table), 0,
-                     {{Loss::huber, huber_sigmas}, 100, 1e-15, 1e-6}, state);
+  const auto summary = adjust_jointly(table, test::all_observations(table), {0, {}},
+                                      {{Loss::huber, huber_sigmas}, 100, 1e-15, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
 
   std::vector<Vector6d> marker_step(table.markers.size(), Vector6d::Zero());

@@ -20,7 +20,7 @@ TEST(JointAdjustment, BringsDisturbedPosesBackToTheTruth) {
   for (std::size_t f = 1; f < state.rigs.size(); ++f) {
     state.rigs[f]->best.pose = disturb(state.rigs[f]->best.pose);
   }
-  const auto summary = adjust_jointly(table, test::all_observations(table), 0,
+  const auto summary = adjust_jointly(table, test::all_observations(table), {0, {}},
                                       {{Loss::squared, 6.0}, 50, 1e-14, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
   EXPECT_LT(summary.final_cost, 1e-10);
@@ -39,13 +39,36 @@ TEST(JointAdjustment, TheAnchorStaysAndRejectedObservationsDoNotCount) {
   table.observations[40].corners_px[0] += Eigen::Vector2d(500, 0);
   state.accepted[40] = 0;
   const Rigid3 anchor = state.rigs[0]->best.pose;
-  const auto summary = adjust_jointly(table, test::all_observations(table), 0,
+  const auto summary = adjust_jointly(table, test::all_observations(table), {0, {}},
                                       {{Loss::squared, 6.0}, 50, 1e-10, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
   EXPECT_EQ(summary.observations, table.observations.size() - 1);
   EXPECT_EQ(state.rigs[0]->best.pose.minus(anchor).norm(), 0.0);
   for (std::size_t m = 0; m < table.markers.size(); ++m) {
     EXPECT_LT(state.world_from_marker[m]->minus(room.world_from_marker[m]).head<3>().norm(), 0.02);
+  }
+}
+
+TEST(JointAdjustment, HeldMarkersStayAndTheRestFindsItsPlaceAmongThem) {
+  const auto room = test::make_room({});
+  const auto table = test::table_of(room);
+  MapState state = test::true_state(room, table);
+  HeldPoses held{-1, std::vector<char>(table.markers.size(), 1)};
+  held.markers[2] = held.markers[5] = 0;
+  Vector6d off;
+  off << 0.02, -0.03, 0.01, 0.02, 0.01, -0.02;
+  state.world_from_marker[2] = state.world_from_marker[2]->plus(off);
+  state.world_from_marker[5] = state.world_from_marker[5]->plus(-off);
+  const auto summary = adjust_jointly(table, test::all_observations(table), held,
+                                      {{Loss::squared, 6.0}, 50, 1e-14, 1e-6}, state);
+  EXPECT_TRUE(summary.converged);
+  for (std::size_t m = 0; m < table.markers.size(); ++m) {
+    const double off_truth = state.world_from_marker[m]->minus(room.world_from_marker[m]).norm();
+    if (held.markers[m] != 0) {
+      EXPECT_EQ(off_truth, 0.0);
+    } else {
+      EXPECT_LT(off_truth, 1e-6);
+    }
   }
 }
 
@@ -56,8 +79,8 @@ TEST(JointAdjustment, TheSameTwiceIsTheSameToTheLastBit) {
   const auto table = test::table_of(room);
   const auto adjusted = [&] {
     MapState state = test::true_state(room, table);
-    adjust_jointly(table, test::all_observations(table), 0, {{Loss::huber, 6.0}, 50, 1e-10, 1e-6},
-                   state);
+    adjust_jointly(table, test::all_observations(table), {0, {}},
+                   {{Loss::huber, 6.0}, 50, 1e-10, 1e-6}, state);
     return state;
   };
   const MapState a = adjusted();
