@@ -2,21 +2,38 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <limits>
+
+#include "core/estimate/robust_loss.h"
 
 namespace waymark {
 namespace {
 
 constexpr double kMeanMemory = 0.95;
-constexpr double kTrustedShare = 0.7;
 constexpr double kFits = 36.0;
+constexpr double kTukeySigmas = 8.0;
+constexpr int kOwnRounds = 4;
+constexpr double kLinear_m = 0.3;
+constexpr double kLinear_rad = 0.1;
 
 RigPoseOptions solver_options() {
   RigPoseOptions options;
   options.bounded_score_sigmas = 10.0;
-  options.max_seed_observations = 8;
+  options.max_seed_observations = 6;
   options.max_refined = 2;
   options.max_iterations = 15;
   return options;
+}
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  if (values.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
+}
+
+double squared_sigmas(const Eigen::Vector3d& offset, const Eigen::Matrix3d& covariance) {
+  return offset.dot(covariance.ldlt().solve(offset));
 }
 
 }  // namespace
@@ -27,152 +44,221 @@ CameraWatch::CameraWatch(const Rig& rig, const MapIndex& map, const CameraWatchO
       cameras_(rig.cameras.size()),
       solver_(rig, solver_options()),
       swap_sets_(cameras_ * cameras_, 0) {
+  whitened_.reserve(kMaxObservations);
+  squared_.reserve(kMaxObservations);
   scratch_.reserve(kMaxObservations);
   fixed_.reserve(kMaxObservations);
 }
 
 void CameraWatch::update(Stamp stamp, std::span<const SetObservation> observations,
-                         std::vector<Alert>& alerts) {
-  sights_.fill({});
-  for (const SetObservation& o : observations) {
-    Sight& sight = sights_[static_cast<std::size_t>(o.observation.camera)];
-    ++sight.markers;
-    sight.inliers += o.inlier ? 1 : 0;
-  }
+                         const Rigid3& world_from_rig, std::vector<Alert>& alerts) {
+  own_count_ = 0;
   int seeing = 0;
-  bool all_coherent = true;
+  bool all_fit = true;
   for (std::size_t c = 0; c < cameras_; ++c) {
-    const Sight& sight = sights_[c];
-    if (sight.markers == 0) continue;
-    const double share = static_cast<double>(sight.inliers) / sight.markers;
-    records_[c].inlier_share = kMeanMemory * records_[c].inlier_share + (1 - kMeanMemory) * share;
-    seeing += sight.markers >= 2 ? 1 : 0;
-    if (sight.markers >= 2 && 2 * sight.inliers < sight.markers) all_coherent = false;
+    fit_camera(c, observations, world_from_rig);
+    const OwnFit& fit = fits_[c];
+    if (fit.markers == 0) continue;
+    const double share = static_cast<double>(fit.inliers) / fit.markers;
+    double& mean = records_[c].inlier_share;
+    mean = kMeanMemory * mean + (1 - kMeanMemory) * share;
+    if (fit.markers < 2) continue;
+    ++seeing;
+    all_fit = all_fit && 2 * fit.inliers >= fit.markers;
   }
   if (seeing < 2) return;
-  if (all_coherent) {
-    for (std::size_t c = 0; c < cameras_; ++c) {
-      if (sights_[c].markers < 2) continue;
-      Record& record = records_[c];
-      record.sets_fine = std::min(record.sets_fine + 1, 10);
-      record.sets_off = std::max(record.sets_off - 1, 0);
-      if (record.named && record.sets_fine >= 10) clear(stamp, c, alerts);
-    }
+  sum_displacements();
+  judge_displacements(stamp, alerts);
+  if (!all_fit) {
+    look_for_swap(stamp, observations, alerts);
+  } else {
     for (int& sets : swap_sets_) sets = std::max(sets - 1, 0);
-    return;
   }
-  // One question per set: enough within 200 of them, and no set takes much longer than others.
-  const std::size_t pairs = cameras_ * (cameras_ - 1) / 2;
-  for (std::size_t tried = 0; tried < cameras_ + pairs; ++tried) {
-    const std::size_t question = turn_++ % (cameras_ + pairs);
-    if (question < cameras_) {
-      if (sights_[question].markers < 2) continue;
-      hold_against_others(stamp, question, observations, alerts);
-      return;
+}
+
+/// Fits a small displacement of the rig, in its own axes, to one camera's markers alone.
+void CameraWatch::fit_camera(std::size_t camera, std::span<const SetObservation> observations,
+                             const Rigid3& world_from_rig) {
+  OwnFit& fit = fits_[camera];
+  fit = {};
+  whitened_.clear();
+  const Eigen::Matrix3d world_from_rig_axes = world_from_rig.rotation.toRotationMatrix();
+  for (const SetObservation& o : observations) {
+    if (static_cast<std::size_t>(o.observation.camera) != camera) continue;
+    ++fit.markers;
+    fit.inliers += o.inlier ? 1 : 0;
+    auto whitened = whitened_residual(o, map_, solver_, world_from_rig);
+    if (!whitened) continue;
+    whitened->by_rig.leftCols<3>() *= world_from_rig_axes;
+    whitened->by_rig.rightCols<3>() *= world_from_rig_axes;
+    whitened_.push_back(*whitened);
+  }
+  if (whitened_.size() < 2) return;
+  Vector6d step = Vector6d::Zero();
+  for (int round = 0; round < kOwnRounds; ++round) {
+    // At first everybody has a say, whatever the distance; then those that agree.
+    squared_.clear();
+    for (const WhitenedResidual& w : whitened_) {
+      squared_.push_back((w.residual + w.by_rig * step).squaredNorm());
     }
-    std::size_t pair = question - cameras_;
-    std::size_t a = 0;
-    while (pair >= cameras_ - 1 - a) pair -= cameras_ - 1 - a++;
-    const std::size_t b = a + 1 + pair;
-    if (sights_[a].markers == 0 || sights_[b].markers == 0) continue;
-    try_swap(stamp, a, b, observations, alerts);
-    return;
+    const double scale2 = kTukeySigmas * kTukeySigmas * std::max(1.0, median(squared_) / 8.0);
+    fit.information.setZero();
+    fit.evidence.setZero();
+    for (const WhitenedResidual& w : whitened_) {
+      const double s = (w.residual + w.by_rig * step).squaredNorm();
+      const double weight = round == 0 ? 1.0 / std::max(1.0, std::sqrt(s))
+                                       : robust_weight(Loss::tukey, std::sqrt(scale2), s);
+      fit.information.noalias() += weight * w.by_rig.transpose() * w.by_rig;
+      fit.evidence.noalias() -= weight * w.by_rig.transpose() * w.residual;
+    }
+    fit.information.diagonal().array() += 1e-9;
+    step = fit.information.ldlt().solve(fit.evidence);
+  }
+  // Farther off nothing is linear; swapped cameras are looked for in another way.
+  fit.summable = step.head<3>().norm() < kLinear_m && step.tail<3>().norm() < kLinear_rad;
+  squared_.clear();
+  for (const WhitenedResidual& w : whitened_) {
+    squared_.push_back((w.residual + w.by_rig * step).squaredNorm());
+  }
+  own_residuals_[own_count_++] = {median(squared_), static_cast<int>(squared_.size())};
+}
+
+/// The set's pose eliminated: what is left speaks of one camera against the others.
+void CameraWatch::sum_displacements() {
+  Matrix6d all = Matrix6d::Zero();
+  Vector6d evidence = Vector6d::Zero();
+  int summable = 0;
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    if (!fits_[c].summable) continue;
+    ++summable;
+    all += fits_[c].information;
+    evidence += fits_[c].evidence;
+  }
+  if (summable < 2) return;
+  const Eigen::LDLT<Matrix6d> factor(all);
+  const Vector6d common = factor.solve(evidence);
+  const double keep = 1.0 - 1.0 / options_.memory_sets;
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    const OwnFit& fit = fits_[c];
+    if (!fit.summable) continue;
+    Record& record = records_[c];
+    record.information = keep * record.information + fit.information -
+                         fit.information * factor.solve(fit.information);
+    record.evidence = keep * record.evidence + fit.evidence - fit.information * common;
+    ++record.sets;
   }
 }
 
-void CameraWatch::hold_against_others(Stamp stamp, std::size_t camera,
-                                      std::span<const SetObservation> observations,
-                                      std::vector<Alert>& alerts) {
-  const auto alone = view_by(observations, camera_bit(camera), 0, 0);
-  const auto others = view_by(observations, ~camera_bit(camera), 0, 0);
-  if (!alone || !others || !coherent(*alone) || !coherent(*others)) return;
-  // Both as the rig in the world: what lies between them is the camera's own.
-  const Vector6d apart = alone->optimum.pose.minus(others->optimum.pose);
-  const Matrix6d covariance = alone->optimum.covariance + others->optimum.covariance;
-  const bool large = apart.tail<3>().norm() >= options_.min_turn_rad ||
-                     apart.head<3>().norm() >= options_.min_offset_m;
-  Record& record = records_[camera];
-  if (!large || apart.dot(covariance.ldlt().solve(apart)) < options_.chi2) {
-    record.sets_fine = std::min(record.sets_fine + 1, 10);
-    return;
-  }
-  ++record.sets_off;
-  if (record.named || record.sets_off < options_.sets_to_name ||
-      record.sets_off < 9 * record.sets_fine) {
-    return;
-  }
-  name(stamp, AlertKind::extrinsics_off, static_cast<int>(camera), -1, apart, alerts);
+CameraWatch::Displacement CameraWatch::displacement(const Record& record) const {
+  Displacement result;
+  // ± 1 m, ± 1 rad before anything was seen.
+  const Matrix6d information = record.information + Matrix6d::Identity();
+  const Eigen::LDLT<Matrix6d> factor(information);
+  result.offset = factor.solve(record.evidence);
+  result.explained = result.offset.dot(record.evidence);
+  const Matrix6d covariance = factor.solve(Matrix6d::Identity());
+  const double moved_m = result.offset.head<3>().norm();
+  const double turned_rad = result.offset.tail<3>().norm();
+  result.significant =
+      (turned_rad >= options_.min_turn_rad &&
+       squared_sigmas(result.offset.tail<3>(), covariance.bottomRightCorner<3, 3>()) >=
+           options_.chi2) ||
+      (moved_m >= options_.min_offset_m &&
+       squared_sigmas(result.offset.head<3>(), covariance.topLeftCorner<3, 3>()) >= options_.chi2);
+  result.small = turned_rad < 0.5 * options_.min_turn_rad && moved_m < 0.5 * options_.min_offset_m;
+  return result;
 }
 
-void CameraWatch::try_swap(Stamp stamp, std::size_t a, std::size_t b,
-                           std::span<const SetObservation> observations,
-                           std::vector<Alert>& alerts) {
-  constexpr CameraMask kAll = ~CameraMask{0};
-  const auto as_is = view_by(observations, kAll, 0, 0);
-  const auto swapped = view_by(observations, kAll, a, b);
-  if (!swapped || !coherent(*swapped) || (as_is && coherent(*as_is))) return;
+void CameraWatch::judge_displacements(Stamp stamp, std::vector<Alert>& alerts) {
+  std::size_t best = 0;
+  Displacement most;
+  double second = 0;
+  bool known = false;
+  int seen = 0;
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    Record& record = records_[c];
+    if (record.sets < options_.min_sets) continue;
+    const Displacement d = displacement(record);
+    if (record.named && record.kind == AlertKind::extrinsics_off && d.small)
+      clear(stamp, c, alerts);
+    known = known || record.named;
+    if (d.explained <= most.explained) {
+      second = std::max(second, d.explained);
+      continue;
+    }
+    second = most.explained;
+    most = d;
+    best = c;
+    seen = record.sets;
+  }
+  // One fault is named at a time: it shows in all that are compared with it.
+  if (known || !most.significant) return;
+  // Two cameras that only ever see each other stay undecided: then the one is as good as the other.
+  if (most.explained < options_.clear_margin * second && seen < options_.sets_to_decide) return;
+  raise(stamp, AlertKind::extrinsics_off, best, -1, most.offset, alerts);
+}
+
+/// One pair per set, so that no set takes much longer than others.
+void CameraWatch::look_for_swap(Stamp stamp, std::span<const SetObservation> observations,
+                                std::vector<Alert>& alerts) {
+  const std::size_t pairs = cameras_ * (cameras_ - 1) / 2;
+  std::size_t pair = next_pair_++ % pairs;
+  std::size_t a = 0;
+  while (pair >= cameras_ - 1 - a) {
+    pair -= cameras_ - 1 - a;
+    ++a;
+  }
+  const std::size_t b = a + 1 + pair;
+  if (fits_[a].markers == 0 || fits_[b].markers == 0) return;
+  if (records_[a].named && records_[a].kind == AlertKind::cameras_swapped) return;
+  if (!coherent_when_swapped(observations, a, b)) return;
   int& sets = swap_sets_[a * cameras_ + b];
-  if (++sets == options_.sets_to_name / 2 && !records_[a].named) {
-    name(stamp, AlertKind::cameras_swapped, static_cast<int>(a), static_cast<int>(b),
-         Vector6d::Constant(std::numeric_limits<double>::quiet_NaN()), alerts);
-  }
+  if (++sets < options_.swap_sets) return;
+  sets = 0;
+  raise(stamp, AlertKind::cameras_swapped, a, static_cast<int>(b),
+        Vector6d::Constant(std::numeric_limits<double>::quiet_NaN()), alerts);
 }
 
-std::optional<CameraWatch::View> CameraWatch::view_by(std::span<const SetObservation> observations,
-                                                      CameraMask cameras, std::size_t swap_a,
-                                                      std::size_t swap_b) {
+bool CameraWatch::coherent_when_swapped(std::span<const SetObservation> observations, std::size_t a,
+                                        std::size_t b) {
   scratch_.clear();
   fixed_.clear();
   for (const SetObservation& o : observations) {
-    auto camera = static_cast<std::size_t>(o.observation.camera);
-    if ((cameras & camera_bit(camera)) == 0) continue;
-    if (camera == swap_a) {
-      camera = swap_b;
-    } else if (camera == swap_b) {
-      camera = swap_a;
-    }
     MarkerObservation& own = scratch_.emplace_back(o.observation);
-    own.camera = static_cast<int>(camera);
-    own.ippe = solve_ippe(solver_.model(camera), own.corners_px, own.size_m);
+    const auto camera = static_cast<std::size_t>(own.camera);
+    own.camera = static_cast<int>(camera == a ? b : camera == b ? a : camera);
+    own.ippe =
+        solve_ippe(solver_.model(static_cast<std::size_t>(own.camera)), own.corners_px, own.size_m);
     fixed_.push_back({&own, map_.marker(o.map_index).world_from_marker});
   }
-  if (fixed_.size() < 2) return std::nullopt;
   const auto estimate = solver_.solve(fixed_);
-  if (!estimate || estimate->ambiguous) return std::nullopt;
-  View view{estimate->best, static_cast<int>(fixed_.size()), 0};
-  const Rigid3 rig_from_world = view.optimum.pose.inverse();
+  if (!estimate || estimate->ambiguous) return false;
+  const Rigid3 rig_from_world = estimate->best.pose.inverse();
+  int inliers = 0;
   for (const FixedMarkerObservation& fixed : fixed_) {
     const auto camera = static_cast<std::size_t>(fixed.observation->camera);
     const double s =
         squared_residual(*fixed.observation, solver_.model(camera),
                          solver_.cam_from_rig(camera) * (rig_from_world * fixed.world_from_marker));
-    view.inliers += s <= kFits ? 1 : 0;
+    inliers += s <= kFits ? 1 : 0;
   }
-  return view;
+  return inliers >= options_.coherent_share * static_cast<double>(fixed_.size());
 }
 
-bool CameraWatch::coherent(const View& view) const {
-  return view.inliers >= 2 && view.inliers >= options_.coherent_share * view.observations;
-}
-
-void CameraWatch::name(Stamp stamp, AlertKind kind, int camera, int other, const Vector6d& offset,
-                       std::vector<Alert>& alerts) {
+void CameraWatch::raise(Stamp stamp, AlertKind kind, std::size_t camera, int other,
+                        const Vector6d& offset, std::vector<Alert>& alerts) {
   Alert alert;
   alert.kind = kind;
   alert.stamp = stamp;
-  alert.camera = camera;
+  alert.camera = static_cast<int>(camera);
   alert.other_camera = other;
   alert.offset_m = offset.head<3>().norm();
   alert.offset_rad = offset.tail<3>().norm();
   alerts.push_back(alert);
-  // What spoke against others was said of this one.
-  for (Record& record : records_) record.sets_off = 0;
-  for (const int one : {camera, other}) {
+  for (const int one : {alert.camera, other}) {
     if (one < 0) continue;
-    Record& record = records_[static_cast<std::size_t>(one)];
-    record.named = true;
-    record.kind = kind;
-    record.sets_fine = 0;
+    records_[static_cast<std::size_t>(one)].named = true;
+    records_[static_cast<std::size_t>(one)].kind = kind;
   }
 }
 
@@ -189,7 +275,9 @@ void CameraWatch::clear(Stamp stamp, std::size_t camera, std::vector<Alert>& ale
 CameraMask CameraWatch::trusted() const {
   CameraMask mask = 0;
   for (std::size_t c = 0; c < cameras_; ++c) {
-    if (records_[c].inlier_share >= kTrustedShare && !records_[c].named) mask |= camera_bit(c);
+    if (records_[c].inlier_share >= options_.trusted_share && !records_[c].named) {
+      mask |= camera_bit(c);
+    }
   }
   return mask;
 }

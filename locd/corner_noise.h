@@ -13,22 +13,22 @@ class CornerNoise {
   explicit CornerNoise(bool stated = true);
 
   [[nodiscard]] double model_sigma_px() const { return sigma_px_; }
-  /// Before so many sets the start value decides.
-  [[nodiscard]] bool settled() const { return sets_ >= kSettledSets; }
+  /// What one camera's markers left in one set when fitted by themselves.
+  struct CameraResiduals {
+    double median = 0;  ///< of the markers' squared residuals, sigmas², 8 degrees of freedom each
+    int markers = 0;    ///< at least 2
+  };
+  /// Takes one set, with the mean variance (px² per axis) that the detector stated for its corners.
+  /// Cameras whose markers agree far worse than those of the best are left out: something else is
+  /// wrong with them.
+  void update(std::span<const CameraResiduals> cameras, double stated_variance_px2);
 
-  /// Takes one set: the squared residuals (sigmas², 8 degrees of freedom each) of its mapped,
-  /// unquarantined markers at the pose they gave, and the mean variance (px² per axis) that the
-  /// detector stated for their corners. Reorders the residuals. Fewer than two markers tell
-  /// nothing.
-  void update(std::span<double> sigmas_squared, double stated_variance_px2);
-
-  static constexpr int kSettledSets = 10;
   static constexpr double kSmallest_px = 0.003;
   static constexpr double kLargest_px = 5.0;
 
  private:
   double sigma_px_;
-  int sets_ = 0;
+  double markers_ = 0;  ///< taken so far
 };
 
 }  // namespace waymark

@@ -1,6 +1,7 @@
 #include "locd/localizer.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 
@@ -43,7 +44,6 @@ struct Localizer::Implementation {
     observations.reserve(kMaxObservations);
     quarantined.reserve(kMaxObservations);
     alerts.reserve(kMaxObservations);
-    residuals.reserve(kMaxObservations);
     WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
   }
 
@@ -56,6 +56,7 @@ struct Localizer::Implementation {
   void report(const PoseSolution& solution, PoseEstimate& estimate) const;
   void judge(const FrameSetLease& set, const PoseSolution& solution,
              const std::optional<MotionPrediction>& prior, PoseEstimate& estimate);
+  [[nodiscard]] bool some_camera_disagrees() const;
   void learn_noise();
   void watch(const PoseSolution& solution, PoseEstimate& estimate);
 
@@ -72,7 +73,6 @@ struct Localizer::Implementation {
   ImageHealth health;
   std::vector<SetObservation> observations;
   std::vector<SetObservation> quarantined;  ///< held against the pose, take no part in it
-  std::vector<double> residuals;
   std::vector<Alert> alerts;
 };
 
@@ -196,11 +196,11 @@ void Localizer::Implementation::time_observations(const FrameSetLease& set,
 void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& estimate) {
   if (observations.empty()) return;
   const auto prior = motion.predict(estimate.stamp);
-  const Vector6d velocity = prior ? prior->velocity : Vector6d::Zero();
-  const Matrix6d velocity_covariance =
-      prior ? prior->velocity_covariance : motion.unknown_velocity_covariance();
-  const auto solution =
-      robust.solve(observations, prior, velocity, velocity_covariance, noise->model_sigma_px());
+  VelocityPrior velocity{Vector6d::Zero(), motion.unknown_velocity_covariance()};
+  if (prior) velocity = {prior->velocity, prior->velocity_covariance};
+  std::optional<Rigid3> predicted;
+  if (prior) predicted = prior->world_from_rig;
+  const auto solution = robust.solve(observations, predicted, velocity, noise->model_sigma_px());
   if (!solution) {
     estimate.lose(PoseReason::no_solution);
     return;
@@ -208,9 +208,8 @@ void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& es
   report(*solution, estimate);
   judge(set, *solution, prior, estimate);
   const Stamp judged = monotonic_now();
-  robust.hold_against(quarantined, solution->world_from_rig, velocity, noise->model_sigma_px());
+  robust.hold_against(quarantined, *solution, noise->model_sigma_px());
   watch(*solution, estimate);
-  learn_noise();
   estimate.times.watch = monotonic_now() - judged;
 }
 
@@ -220,8 +219,9 @@ void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate
     seen.rms_px = o.rms_px;
     seen.sigmas_squared = o.sigmas_squared;
   }
-  camera_watch.update(estimate.stamp, observations, alerts);
   if (estimate.has(PoseReason::jump) || estimate.has(PoseReason::no_velocity)) return;
+  camera_watch.update(estimate.stamp, observations, solution.world_from_rig, alerts);
+  learn_noise();
   const CameraMask trusted = camera_watch.trusted();
   map_watch.update(estimate.stamp, observations, solution, trusted, alerts);
   map_watch.update(estimate.stamp, quarantined, solution, trusted, alerts);
@@ -261,7 +261,9 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   if (!prior) gate.forget();
   ReasonBits reasons = gate.judge(estimate.stamp, solution, prior);
   const bool trusted = reasons == 0 || reasons == bit(PoseReason::sigma);
-  if (camera_watch.suspects() != 0) reasons |= bit(PoseReason::camera_suspect);
+  if (camera_watch.suspects() != 0 || some_camera_disagrees()) {
+    reasons |= bit(PoseReason::camera_suspect);
+  }
   if ((set.cameras & ~health.unhealthy()) != set.expected)
     reasons |= bit(PoseReason::camera_missing);
   Stamp readout{0};
@@ -284,19 +286,35 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   estimate.status = reasons == 0         ? PoseStatus::ok
                     : solution.ambiguous ? PoseStatus::ambiguous
                                          : PoseStatus::degraded;
-  if (trusted) motion.update(estimate.stamp, solution.world_from_rig, solution.covariance);
+  if (trusted) motion.update(estimate.stamp, solution.motion);
   const auto now = motion.predict(estimate.stamp);
   if (now && now->velocity_known) estimate.velocity = now->velocity;
 }
 
+/// Whether a camera's markers are mostly outliers: the pose is by others then, and who is right is
+/// not known.
+bool Localizer::Implementation::some_camera_disagrees() const {
+  std::array<int, kMaxCameras> markers{};
+  std::array<int, kMaxCameras> inliers{};
+  for (const SetObservation& o : observations) {
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    ++markers[camera];
+    inliers[camera] += o.inlier ? 1 : 0;
+  }
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (markers[c] >= 2 && 2 * inliers[c] < markers[c]) return true;
+  }
+  return false;
+}
+
+/// From what each camera's markers leave when that camera may stand a little elsewhere: what it has
+/// against the other cameras is no noise of its corners.
 void Localizer::Implementation::learn_noise() {
-  residuals.clear();
   double stated = 0;
   for (const SetObservation& o : observations) {
-    residuals.push_back(o.sigmas_squared);
     for (const Eigen::Matrix2d& covariance : o.stated) stated += covariance.trace() / 8.0;
   }
-  noise->update(residuals, stated / static_cast<double>(observations.size()));
+  noise->update(camera_watch.own_residuals(), stated / static_cast<double>(observations.size()));
 }
 
 Localizer::Localizer(const Rig& rig, const MarkerMap& map, const LocalizerOptions& options)

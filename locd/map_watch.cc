@@ -5,14 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/estimate/corner_residual.h"
+#include "locd/whitened_residual.h"
 
 namespace waymark {
 namespace {
-
-using Vector8d = Eigen::Matrix<double, 8, 1>;
-using Matrix86 = Eigen::Matrix<double, 8, 6>;
-using Matrix8d = Eigen::Matrix<double, 8, 8>;
 
 /// Residuals this large (sigmas²) say where a marker is not, hardly where it is.
 constexpr double kLinear = 400.0;
@@ -21,36 +17,11 @@ constexpr double kFits = 36.0;
 /// Ids that the map lacks and that are remembered; of more, the ones not seen for longest go.
 constexpr std::size_t kMostUnknown = 64;
 
-/// An observation's whitened residuals and derivatives, all four corners in one.
-struct Whitened {
-  Vector8d residual;
-  Matrix86 by_rig;
-  Matrix86 by_marker;
-};
-
-bool whitened_residual(const SetObservation& o, const RigPoseSolver& solver, const Rigid3& rig,
-                       const Rigid3& marker, Whitened& out) {
-  const auto camera = static_cast<std::size_t>(o.observation.camera);
-  const CornerChain chain(solver.model(camera), solver.cam_from_rig(camera), rig, marker);
-  const auto corners = marker_corners(o.observation.size_m);
-  for (std::size_t i = 0; i < 4; ++i) {
-    CornerJacobians jacobians;
-    const auto residual =
-        corner_residual(chain, corners[i], o.observation.corners_px[i], &jacobians);
-    if (!residual) return false;
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    const Eigen::Matrix2d& w = o.observation.whitening[i];
-    out.residual.segment<2>(row) = w * *residual;
-    out.by_rig.middleRows<2>(row) = w * jacobians.d_rig;
-    out.by_marker.middleRows<2>(row) = w * jacobians.d_marker;
-  }
-  return true;
-}
-
 /// What of the residuals' unit covariance is left when the pose has (inlier) or has not (outlier)
 /// been fitted to them: 1 − J P Jᵀ, (1 + J P Jᵀ)⁻¹. As information on r it is cov⁻¹ after
 /// leave-one-out, for the pose without it leaves (1 − J P Jᵀ)⁻¹.
-Matrix8d left_out_information(const Whitened& w, const Matrix6d& pose_covariance, bool inlier) {
+Matrix8d left_out_information(const WhitenedResidual& w, const Matrix6d& pose_covariance,
+                              bool inlier) {
   const Matrix8d of_pose = w.by_rig * pose_covariance * w.by_rig.transpose();
   if (inlier) return Matrix8d::Identity() - of_pose;
   return (Matrix8d::Identity() + of_pose).inverse();
@@ -98,9 +69,9 @@ void MapWatch::update(Stamp stamp, std::span<const SetObservation> observations,
 
 void MapWatch::sum_residuals(const SetObservation& o, const PoseSolution& solution,
                              Record& record) const {
-  Whitened w;
-  const Rigid3& marker = map_.marker(o.map_index).world_from_marker;
-  if (!whitened_residual(o, solver_, solution.world_from_rig, marker, w)) return;
+  const auto left = whitened_residual(o, map_, solver_, solution.world_from_rig);
+  if (!left) return;
+  const WhitenedResidual& w = *left;
   const Matrix8d information = left_out_information(w, solution.noise_covariance, o.inlier);
   const double keep = 1.0 - 1.0 / options_.memory_sets;
   record.information =

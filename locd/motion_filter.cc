@@ -57,30 +57,36 @@ std::optional<MotionPrediction> MotionFilter::predict(Stamp stamp) const {
   return prediction;
 }
 
-void MotionFilter::update(Stamp stamp, const Rigid3& world_from_rig, const Matrix6d& covariance) {
+void MotionFilter::update(Stamp stamp, const MotionEvidence& evidence) {
+  constexpr double kAnywhere = 1e8;
   const double age_s = seconds_between(stamp_, stamp);
-  if (updates_ == 0 || age_s <= 0 || age_s > options_.max_age_s) {
-    state_.pose = world_from_rig;
-    state_.velocity.setZero();
-    state_.covariance.setZero();
-    state_.covariance.topLeftCorner<6, 6>() = covariance;
-    state_.covariance.bottomRightCorner<6, 6>() = unknown_velocity_covariance();
-    updates_ = 1;
+  const bool anew = updates_ == 0 || age_s <= 0 || age_s > options_.max_age_s;
+  State state;
+  if (anew) {
+    state.pose = evidence.world_from_rig;
+    state.velocity.setZero();
+    state.covariance.setZero();
+    state.covariance.topLeftCorner<6, 6>().diagonal().setConstant(kAnywhere);
+    state.covariance.bottomRightCorner<6, 6>() = unknown_velocity_covariance();
   } else {
-    State predicted = propagate(age_s);
-    const Vector6d innovation = world_from_rig.minus(predicted.pose);
-    const Matrix6d innovation_covariance = predicted.covariance.topLeftCorner<6, 6>() + covariance;
-    const Eigen::Matrix<double, 12, 6> cross = predicted.covariance.leftCols<6>();
-    const Eigen::Matrix<double, 12, 6> gain =
-        innovation_covariance.ldlt().solve(cross.transpose()).transpose();
-    const Eigen::Matrix<double, 12, 1> step = gain * innovation;
-    predicted.pose = predicted.pose.plus(step.head<6>());
-    predicted.velocity += step.tail<6>();
-    predicted.covariance -= gain * cross.transpose();
-    predicted.covariance = (0.5 * (predicted.covariance + predicted.covariance.transpose())).eval();
-    state_ = predicted;
-    updates_ = std::min(updates_ + 1, 1000);
+    state = propagate(age_s);
   }
+  Matrix12d information;
+  information << evidence.of_pose, evidence.of_both, evidence.of_both.transpose(),
+      evidence.of_velocity;
+  Eigen::Matrix<double, 12, 1> from_state;
+  from_state << evidence.world_from_rig.minus(state.pose), evidence.velocity - state.velocity;
+  Eigen::Matrix<double, 12, 1> pull = information * from_state;
+  pull.head<6>() += evidence.towards_pose;
+  pull.tail<6>() += evidence.towards_velocity;
+  const Matrix12d posterior = state.covariance.ldlt().solve(Matrix12d::Identity()) + information;
+  const Eigen::LDLT<Matrix12d> factor(posterior);
+  const Eigen::Matrix<double, 12, 1> step = factor.solve(pull);
+  state_.pose = state.pose.plus(step.head<6>());
+  state_.velocity = state.velocity + step.tail<6>();
+  state_.covariance = factor.solve(Matrix12d::Identity());
+  state_.covariance = (0.5 * (state_.covariance + state_.covariance.transpose())).eval();
+  updates_ = anew ? 1 : std::min(updates_ + 1, 1000);
   stamp_ = stamp;
 }
 

@@ -14,9 +14,10 @@ struct MotionOptions {
   double speed_sigma_mps = 1.0;  ///< before anything is known, standing ± this (0.05–20)
   double turn_sigma_radps = 0.7;
   /// White acceleration, root of its spectral density: how far the velocity wanders in 1 s.
-  /// (0.01–100) A forklift that brakes at 2 m/s² for half a second lies within 2 sigma.
-  double accel_density = 1.0;       ///< m/s² per √Hz
-  double turn_accel_density = 1.0;  ///< rad/s² per √Hz
+  /// (0.01–100) A forklift that brakes at 2 m/s² for half a second, or begins to turn at 40°/s in
+  /// as long, lies within 2 sigma.
+  double accel_density = 0.7;       ///< m/s² per √Hz
+  double turn_accel_density = 0.5;  ///< rad/s² per √Hz
 };
 
 /// Where the rig is expected, and how sure that is.
@@ -26,6 +27,18 @@ struct MotionPrediction {
   Vector6d velocity = Vector6d::Zero();  ///< m/s, rad/s, world axes
   Matrix6d velocity_covariance = Matrix6d::Zero();
   bool velocity_known = false;  ///< from two poses at least
+};
+
+/// What one set says of pose and velocity together: its cost's quadratic approximation at
+/// (world_from_rig, velocity). Only corners of other instants than the set's tell of the velocity.
+struct MotionEvidence {
+  Rigid3 world_from_rig;
+  Vector6d velocity = Vector6d::Zero();
+  Matrix6d of_pose = Matrix6d::Zero();           ///< Σ JᵀWJ
+  Matrix6d of_both = Matrix6d::Zero();           ///< Σ t JᵀWJ
+  Matrix6d of_velocity = Matrix6d::Zero();       ///< Σ t² JᵀWJ
+  Vector6d towards_pose = Vector6d::Zero();      ///< −Σ JᵀWr
+  Vector6d towards_velocity = Vector6d::Zero();  ///< −Σ t JᵀWr
 };
 
 /// Constant-velocity Kalman filter over accepted poses: seeds the solver, tells the velocity for
@@ -38,8 +51,9 @@ class MotionFilter {
   /// nullopt without a pose, or when the last is older than max_age_s or newer than `stamp`.
   [[nodiscard]] std::optional<MotionPrediction> predict(Stamp stamp) const;
 
-  /// Takes a pose with its covariance. A stamp that does not rise starts anew.
-  void update(Stamp stamp, const Rigid3& world_from_rig, const Matrix6d& covariance);
+  /// Takes what a set says, linearized at the prediction's velocity (zero without one). A stamp
+  /// that does not rise, or a gap, starts anew.
+  void update(Stamp stamp, const MotionEvidence& evidence);
 
   void reset() { updates_ = 0; }
 

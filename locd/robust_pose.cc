@@ -1,8 +1,8 @@
 #include "locd/robust_pose.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/estimate/corner_residual.h"
 
@@ -17,86 +17,134 @@ RigPoseOptions solver_options() {
   return options;
 }
 
-Rigid3 moved(const Rigid3& world_from_rig, const Vector6d& velocity, double seconds) {
-  return world_from_rig.plus(velocity * seconds);
+bool timed(const SetObservation& o) {
+  return std::any_of(o.after_s.begin(), o.after_s.end(), [](double t) { return t != 0; });
 }
 
 }  // namespace
 
 RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options)
-    : map_(map), options_(options), solver_(rig, solver_options()) {}
+    : map_(map), options_(options), solver_(rig, solver_options()), covariance_(map_, solver_) {
+  marker_verdicts_.reserve(map.size());
+}
 
 std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observations,
-                                              const std::optional<MotionPrediction>& prior,
-                                              const Vector6d& velocity,
-                                              const Matrix6d& velocity_covariance,
+                                              const std::optional<Rigid3>& predicted,
+                                              const VelocityPrior& velocity,
                                               double model_sigma_px) {
-  whiten(observations, model_sigma_px);
-  if (prior) to_set_instant(observations, prior->world_from_rig, velocity);
-  const auto few = static_cast<std::size_t>(options_.seed_observations);
-  const auto many = static_cast<std::size_t>(options_.all_seed_observations);
-  seed(observations, few);
-  collect(observations, false);
-  const std::span<const Rigid3> priors =
-      prior ? std::span(&prior->world_from_rig, 1) : std::span<const Rigid3>();
-  auto estimate = solver_.solve(fixed_, priors);
-  const bool explained = estimate && 2 * classify(observations, estimate->best.pose) >
-                                         static_cast<int>(observations.size());
-  if (!explained && observations.size() > few) {
-    // The largest may all be wrong.
-    seed(observations, many);
-    estimate = solver_.solve(fixed_, priors);
-  }
+  whiten_roughly(observations, velocity, model_sigma_px);
+  if (predicted) move_to_set_instant(observations, *predicted, velocity.velocity);
+  const auto estimate = find_pose(observations, predicted);
   if (!estimate) return std::nullopt;
 
   PoseSolution solution;
   solution.ambiguous = estimate->ambiguous;
   Rigid3 pose = estimate->best.pose;
-  to_set_instant(observations, pose, velocity);
-  whiten_with_map(observations, pose, model_sigma_px);
-  if (const auto tukey = solver_.refine(fixed_, pose, {Loss::tukey, options_.tukey_sigmas})) {
-    pose = tukey->pose;
+  VelocityPrior believed = velocity;
+  const bool in_motion = std::any_of(observations.begin(), observations.end(), timed);
+  MotionStep step;
+  // The set's own say about the velocity, twice: then inliers and velocity have settled.
+  for (int round = 0; round < (in_motion ? 3 : 1); ++round) {
+    if (!polish(observations, pose, believed, model_sigma_px)) return std::nullopt;
+    if (!in_motion) break;
+    whiten(observations, pose, Matrix6d::Zero(), model_sigma_px);
+    solution.motion = motion_evidence(observations, map_, solver_, pose, believed.velocity);
+    step = motion_step(solution.motion, velocity);
+    if (!step.pose.allFinite() || !step.velocity.allFinite()) return std::nullopt;
+    pose = pose.plus(step.pose);
+    believed = {believed.velocity + step.velocity, step.velocity_covariance};
+    move_to_set_instant(observations, pose, believed.velocity);
   }
-  // Who is an inlier changes with the pose, hardly ever twice.
-  for (int round = 0; round < 3; ++round) {
-    to_set_instant(observations, pose, velocity);
-    const int before = solution.inliers;
-    solution.inliers = classify(observations, pose);
-    if (solution.inliers == 0) return std::nullopt;
-    collect(observations, true);
-    const auto least_squares = solver_.refine(fixed_, pose, {Loss::squared, 1.0});
-    if (!least_squares) return std::nullopt;
-    pose = least_squares->pose;
-    if (round > 0 && solution.inliers == before) break;
-  }
+  solution.motion = motion_evidence(observations, map_, solver_, pose, believed.velocity);
+  step = motion_step(solution.motion, velocity);
   solution.world_from_rig = pose;
-  state_covariance(observations, velocity_covariance, model_sigma_px, solution);
+  solution.velocity = believed.velocity;
+  solution.velocity_covariance = in_motion ? step.velocity_covariance : velocity.covariance;
+  solution.noise_covariance = solution.motion.of_pose.ldlt().solve(Matrix6d::Identity());
+  solution.covariance = covariance_.of(observations, pose, solution.motion, step, model_sigma_px);
+  if (in_motion) whiten(observations, pose, solution.velocity_covariance, model_sigma_px);
   classify(observations, pose);
   count_markers(observations, solution);
   if (solution.inliers == 0 || !solution.covariance.allFinite()) return std::nullopt;
   return solution;
 }
 
-void RobustPose::hold_against(std::span<SetObservation> observations, const Rigid3& world_from_rig,
-                              const Vector6d& velocity, double model_sigma_px) const {
-  whiten(observations, model_sigma_px);
-  to_set_instant(observations, world_from_rig, velocity);
-  whiten_with_map(observations, world_from_rig, model_sigma_px);
-  classify(observations, world_from_rig);
+std::optional<RigPoseEstimate> RobustPose::find_pose(std::span<SetObservation> observations,
+                                                     const std::optional<Rigid3>& predicted) {
+  const auto few = static_cast<std::size_t>(options_.seed_observations);
+  const auto many = static_cast<std::size_t>(options_.all_seed_observations);
+  const std::span<const Rigid3> priors =
+      predicted ? std::span(&*predicted, 1) : std::span<const Rigid3>();
+  seed(observations, few);
+  collect(observations, false);
+  auto estimate = solver_.solve(fixed_, priors);
+  const auto explained = [&] {
+    return 2 * classify(observations, estimate->best.pose) > static_cast<int>(observations.size());
+  };
+  if (observations.size() > few && !(estimate && explained())) {
+    // The largest may all be wrong.
+    seed(observations, many);
+    estimate = solver_.solve(fixed_, priors);
+  }
+  return estimate;
 }
 
-void RobustPose::whiten(std::span<SetObservation> observations, double model_sigma_px) const {
-  const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
+/// From a pose nearby to the least-squares optimum over the inliers; false when there are none.
+bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
+                        const VelocityPrior& believed, double model_sigma_px) {
+  move_to_set_instant(observations, pose, believed.velocity);
+  whiten(observations, pose, believed.covariance, model_sigma_px);
+  collect(observations, false);
+  if (const auto tukey = solver_.refine(fixed_, pose, {Loss::tukey, options_.tukey_sigmas})) {
+    pose = tukey->pose;
+  }
+  // Who is an inlier changes with the pose, hardly ever twice.
+  int before = -1;
+  for (int round = 0; round < 3; ++round) {
+    move_to_set_instant(observations, pose, believed.velocity);
+    const int inliers = classify(observations, pose);
+    if (inliers == 0) return false;
+    if (inliers == before) return true;
+    before = inliers;
+    collect(observations, true);
+    const auto least_squares = solver_.refine(fixed_, pose, {Loss::squared, 1.0});
+    if (!least_squares) return false;
+    pose = least_squares->pose;
+  }
+  return true;
+}
+
+void RobustPose::hold_against(std::span<SetObservation> observations, const PoseSolution& solution,
+                              double model_sigma_px) const {
+  move_to_set_instant(observations, solution.world_from_rig, solution.velocity);
+  whiten(observations, solution.world_from_rig, solution.velocity_covariance, model_sigma_px);
+  classify(observations, solution.world_from_rig);
+}
+
+/// Before a pose is known: the detector's and the model's errors, and about what an unknown motion
+/// does to a corner some metres away.
+void RobustPose::whiten_roughly(std::span<SetObservation> observations,
+                                const VelocityPrior& velocity, double model_sigma_px) const {
+  constexpr double kNear_m = 3.0;
+  const double turning2 = velocity.covariance.bottomRightCorner<3, 3>().trace() / 3;
+  const double moving2 = velocity.covariance.topLeftCorner<3, 3>().trace() / 3;
   for (SetObservation& o : observations) {
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    const double focal_px = solver_.model(camera).parameters().fu_px;
     for (std::size_t i = 0; i < 4; ++i) {
-      o.observation.whitening[i] = whitening_from_covariance(o.stated[i] + model);
+      const double t_px = o.after_s[i] * focal_px;
+      const double motion2 = t_px * t_px * (turning2 + moving2 / (kNear_m * kNear_m));
+      const double added = model_sigma_px * model_sigma_px + motion2;
+      o.observation.whitening[i] =
+          whitening_from_covariance(o.stated[i] + added * Eigen::Matrix2d::Identity());
     }
     o.observation.corners_px = o.detected_px;
   }
 }
 
-void RobustPose::whiten_with_map(std::span<SetObservation> observations, const Rigid3& pose,
-                                 double model_sigma_px) const {
+/// With a pose: the map's and the velocity's errors too, as they show in each corner.
+void RobustPose::whiten(std::span<SetObservation> observations, const Rigid3& pose,
+                        const Matrix6d& velocity_covariance, double model_sigma_px) const {
   const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
   for (SetObservation& o : observations) {
     const MapMarker& marker = map_.marker(o.map_index);
@@ -107,20 +155,23 @@ void RobustPose::whiten_with_map(std::span<SetObservation> observations, const R
     for (std::size_t i = 0; i < 4; ++i) {
       CornerJacobians jacobians;
       if (!corner_residual(chain, corners[i], o.observation.corners_px[i], &jacobians)) continue;
-      const Eigen::Matrix2d of_map =
-          jacobians.d_marker * marker.covariance * jacobians.d_marker.transpose();
-      o.observation.whitening[i] = whitening_from_covariance(o.stated[i] + model + of_map);
+      Eigen::Matrix2d covariance = o.stated[i] + model;
+      covariance += jacobians.d_marker * marker.covariance * jacobians.d_marker.transpose();
+      const double t = o.after_s[i];
+      if (t != 0) {
+        covariance += t * t * jacobians.d_rig * velocity_covariance * jacobians.d_rig.transpose();
+      }
+      o.observation.whitening[i] = whitening_from_covariance(covariance);
     }
   }
 }
 
-void RobustPose::to_set_instant(std::span<SetObservation> observations, const Rigid3& pose,
-                                const Vector6d& velocity) const {
+void RobustPose::move_to_set_instant(std::span<SetObservation> observations, const Rigid3& pose,
+                                     const Vector6d& velocity) const {
+  const Rigid3 rig_from_world = pose.inverse();
   for (SetObservation& o : observations) {
-    if (velocity.isZero() ||
-        std::all_of(o.after_s.begin(), o.after_s.end(), [](double t) { return t == 0; })) {
-      continue;
-    }
+    o.observation.corners_px = o.detected_px;
+    if (velocity.isZero() || !timed(o)) continue;
     const MapMarker& marker = map_.marker(o.map_index);
     const auto camera = static_cast<std::size_t>(o.observation.camera);
     const Rigid3& cam_from_rig = solver_.cam_from_rig(camera);
@@ -128,10 +179,10 @@ void RobustPose::to_set_instant(std::span<SetObservation> observations, const Ri
     const auto corners = marker_corners(marker.size_m);
     for (std::size_t i = 0; i < 4; ++i) {
       const Eigen::Vector3d x_in_world = marker.world_from_marker * corners[i];
-      const auto now = model.project(cam_from_rig * (pose.inverse() * x_in_world));
-      const auto then = model.project(cam_from_rig *
-                                      (moved(pose, velocity, o.after_s[i]).inverse() * x_in_world));
-      if (now && then) o.observation.corners_px[i] = o.detected_px[i] + (*now - *then);
+      const auto now = model.project(cam_from_rig * (rig_from_world * x_in_world));
+      const Rigid3 rig_then = pose.plus(velocity * o.after_s[i]);
+      const auto then = model.project(cam_from_rig * (rig_then.inverse() * x_in_world));
+      if (now && then) o.observation.corners_px[i] += *now - *then;
     }
   }
 }
@@ -151,7 +202,7 @@ void RobustPose::seed(std::span<SetObservation> observations, std::size_t count)
   }
 }
 
-void RobustPose::collect(std::span<SetObservation> observations, bool inliers_only) {
+void RobustPose::collect(std::span<const SetObservation> observations, bool inliers_only) {
   fixed_.clear();
   for (const SetObservation& o : observations) {
     if (inliers_only && !o.inlier) continue;
@@ -178,58 +229,6 @@ int RobustPose::classify(std::span<SetObservation> observations, const Rigid3& p
     o.rms_px = residuals ? std::sqrt(sum / 4.0) : std::numeric_limits<double>::quiet_NaN();
   }
   return inliers;
-}
-
-void RobustPose::state_covariance(std::span<const SetObservation> observations,
-                                  const Matrix6d& velocity_covariance, double model_sigma_px,
-                                  PoseSolution& solution) {
-  const Rigid3& pose = solution.world_from_rig;
-  const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
-  Matrix6d hessian = Matrix6d::Zero();
-  Matrix6d noise = Matrix6d::Zero();
-  Matrix6d timed = Matrix6d::Zero();
-  shares_.clear();
-  for (const SetObservation& o : observations) {
-    if (!o.inlier) continue;
-    const MapMarker& marker = map_.marker(o.map_index);
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    const CornerChain chain(solver_.model(camera), solver_.cam_from_rig(camera), pose,
-                            marker.world_from_marker);
-    auto share = std::find_if(shares_.begin(), shares_.end(),
-                              [&](const MarkerShare& s) { return s.map_index == o.map_index; });
-    if (share == shares_.end()) share = shares_.insert(share, {o.map_index, Matrix6d::Zero()});
-    const auto corners = marker_corners(marker.size_m);
-    for (std::size_t i = 0; i < 4; ++i) {
-      CornerJacobians jacobians;
-      if (!corner_residual(chain, corners[i], o.observation.corners_px[i], &jacobians)) continue;
-      const Eigen::Matrix2d& w = o.observation.whitening[i];
-      const Eigen::Matrix2d information = w.transpose() * w;
-      const Eigen::Matrix<double, 6, 2> weighted = jacobians.d_rig.transpose() * information;
-      const Matrix6d own = weighted * jacobians.d_rig;
-      hessian += own;
-      timed += o.after_s[i] * own;
-      noise += weighted * (o.stated[i] + model) * weighted.transpose();
-      share->gain += weighted * jacobians.d_marker;
-    }
-  }
-  const Eigen::LDLT<Matrix6d> factor(hessian);
-  const Matrix6d inverse = factor.solve(Matrix6d::Identity());
-  Matrix6d covariance = inverse * noise * inverse;
-  const Matrix6d per_velocity = inverse * timed;
-  covariance += per_velocity * velocity_covariance * per_velocity.transpose();
-  // Cov(Σ eₘ) ≤ Σ Cov(eₘ)/wₘ for any correlations and weights that sum to 1; wₘ ∝ √tr is best.
-  double roots = 0;
-  for (MarkerShare& share : shares_) {
-    const Matrix6d gain = inverse * share.gain;
-    share.gain = gain * map_.marker(share.map_index).covariance * gain.transpose();
-    roots += std::sqrt(std::max(share.gain.trace(), 0.0));
-  }
-  for (const MarkerShare& share : shares_) {
-    const double root = std::sqrt(std::max(share.gain.trace(), 0.0));
-    if (root > 0) covariance += roots / root * share.gain;
-  }
-  solution.covariance = 0.5 * (covariance + covariance.transpose());
-  solution.noise_covariance = inverse;
 }
 
 void RobustPose::count_markers(std::span<const SetObservation> observations,

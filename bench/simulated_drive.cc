@@ -1,0 +1,109 @@
+#include "bench/simulated_drive.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace waymark::bench {
+namespace {
+
+constexpr Stamp kStart = std::chrono::seconds(1'000'000);
+
+Stamp to_stamp(double seconds) { return kStart + Stamp(std::llround(seconds * 1e9)); }
+
+}  // namespace
+
+SimulatedDrive::SimulatedDrive(const simulator::Scene& building, const Rig& rig,
+                               const DriveOptions& options)
+    : rig_(rig),
+      options_(options),
+      way_(building.trajectory),
+      random_(options.seed),
+      images_(rig.cameras.size()) {
+  rebuild(building);
+}
+
+void SimulatedDrive::rebuild(const simulator::Scene& building) {
+  visibility_.reset();
+  building_ = building;
+  visibility_.emplace(building_);
+}
+
+Rigid3 SimulatedDrive::world_from_rig(Stamp stamp) const {
+  const double time_s = std::chrono::duration<double>(stamp - kStart).count();
+  return way_.world_from_cam0(time_s * options_.speed_mps) *
+         rig_.cameras.front().rig_from_cam.inverse();
+}
+
+double SimulatedDrive::turn_rate(Stamp stamp) const {
+  constexpr Stamp kStep = std::chrono::milliseconds(10);
+  return angle_between_rad(world_from_rig(stamp - kStep).rotation,
+                           world_from_rig(stamp + kStep).rotation) /
+         0.02;
+}
+
+MarkerId SimulatedDrive::misread(const MarkerId& truth) {
+  for (;;) {
+    MarkerId read = building_.markers[random_.below(building_.markers.size())].id;
+    if (random_.uniform() < 0.5) {
+      read.number =
+          static_cast<int>(random_.below(static_cast<std::uint64_t>(traits(read.family).id_count)));
+    }
+    if (read != truth) return read;
+  }
+}
+
+FrameSetLease SimulatedDrive::next() {
+  FrameSetLease set;
+  set.sequence = sets_;
+  visible_.clear();
+  const double time_s = static_cast<double>(sets_++) * options_.period_s;
+  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
+    set.expected |= camera_bit(c);
+    ImageDetections& image = images_[c];
+    image.detections.clear();
+    image.camera = static_cast<int>(c);
+    image.stamp = to_stamp(time_s + (c < 3 ? options_.offset_s[c] : 0));
+    if (random_.uniform() < options_.drop_out_rate) continue;
+    const Rigid3 world_from_cam = world_from_rig(image.stamp) * rig_.cameras[c].rig_from_cam;
+    for (const auto& seen : visibility_->visible_from(rig_.cameras[c].model, world_from_cam)) {
+      if (random_.uniform() < options_.miss_rate) continue;
+      visible_.push_back(seen.marker);
+      Detection detection;
+      detection.marker = building_.markers[seen.marker].id;
+      if (random_.uniform() < options_.false_rate) detection.marker = misread(detection.marker);
+      detection.corners = seen.corners;
+      for (Eigen::Vector2d& corner : detection.corners) {
+        corner += options_.noise_px * Eigen::Vector2d(random_.normal(), random_.normal());
+      }
+      detection.covariances.emplace();
+      detection.covariances->fill(options_.noise_px * options_.noise_px *
+                                  Eigen::Matrix2d::Identity());
+      image.detections.push_back(detection);
+    }
+    set.cameras |= camera_bit(c);
+    FrameInfo info;
+    info.stamp = image.stamp;
+    info.arrival = image.stamp;
+    info.sequence = set.sequence;
+    info.quality = StampQuality::replayed;
+    set.frames[c] = Frame(info, {}, &image, nullptr, 0);
+  }
+  return set;
+}
+
+MarkerMap true_map(const simulator::Scene& scene) {
+  MarkerMap map;
+  SubMap& submap = map.submaps.emplace_back();
+  for (const simulator::PlacedMarker& placed : scene.markers) {
+    MapMarker marker;
+    marker.id = placed.id;
+    marker.size_m = placed.size_m;
+    marker.stated_size_m = placed.size_m;
+    marker.world_from_marker = placed.world_from_marker;
+    marker.verified = true;
+    submap.markers.push_back(marker);
+  }
+  return map;
+}
+
+}  // namespace waymark::bench
