@@ -13,6 +13,7 @@ constexpr double kMeanMemory = 0.95;
 constexpr double kFits = 36.0;
 constexpr double kTukeySigmas = 8.0;
 constexpr int kOwnRounds = 4;
+constexpr std::size_t kFewest = 3;  // observations that can tell of a swap
 constexpr double kLinear_m = 0.3;
 constexpr double kLinear_rad = 0.1;
 
@@ -54,7 +55,8 @@ void CameraWatch::update(Stamp stamp, std::span<const SetObservation> observatio
                          const Rigid3& world_from_rig, std::vector<Alert>& alerts) {
   own_count_ = 0;
   int seeing = 0;
-  bool all_fit = true;
+  int pairs_of_markers = 0;
+  int inliers = 0;
   for (std::size_t c = 0; c < cameras_; ++c) {
     fit_camera(c, observations, world_from_rig);
     const OwnFit& fit = fits_[c];
@@ -62,16 +64,17 @@ void CameraWatch::update(Stamp stamp, std::span<const SetObservation> observatio
     const double share = static_cast<double>(fit.inliers) / fit.markers;
     double& mean = records_[c].inlier_share;
     mean = kMeanMemory * mean + (1 - kMeanMemory) * share;
-    if (fit.markers < 2) continue;
     ++seeing;
-    all_fit = all_fit && 2 * fit.inliers >= fit.markers;
+    pairs_of_markers += fit.markers >= 2 ? 1 : 0;
+    inliers += fit.inliers;
   }
   if (seeing < 2) return;
   sum_displacements();
   judge_displacements(stamp, alerts);
-  if (!all_fit) {
+  if (observations.size() < kFewest) return;
+  if (inliers < options_.coherent_share * static_cast<double>(observations.size())) {
     look_for_swap(stamp, observations, alerts);
-  } else {
+  } else if (pairs_of_markers >= 2) {
     for (int& sets : swap_sets_) sets = std::max(sets - 1, 0);
   }
 }
@@ -140,11 +143,12 @@ void CameraWatch::sum_displacements() {
   const double keep = 1.0 - 1.0 / options_.memory_sets;
   for (std::size_t c = 0; c < cameras_; ++c) {
     const OwnFit& fit = fits_[c];
-    if (!fit.summable) continue;
     Record& record = records_[c];
-    record.information = keep * record.information + fit.information -
-                         fit.information * factor.solve(fit.information);
-    record.evidence = keep * record.evidence + fit.evidence - fit.information * common;
+    record.information *= keep;
+    record.evidence *= keep;
+    if (!fit.summable) continue;
+    record.information += fit.information - fit.information * factor.solve(fit.information);
+    record.evidence += fit.evidence - fit.information * common;
     ++record.sets;
   }
 }
@@ -177,7 +181,7 @@ void CameraWatch::judge_displacements(Stamp stamp, std::vector<Alert>& alerts) {
   int seen = 0;
   for (std::size_t c = 0; c < cameras_; ++c) {
     Record& record = records_[c];
-    if (record.sets < options_.min_sets) continue;
+    if (record.sets == 0) continue;
     const Displacement d = displacement(record);
     if (record.named && record.kind == AlertKind::extrinsics_off && d.small)
       clear(stamp, c, alerts);
@@ -192,7 +196,7 @@ void CameraWatch::judge_displacements(Stamp stamp, std::vector<Alert>& alerts) {
     seen = record.sets;
   }
   // One fault is named at a time: it shows in all that are compared with it.
-  if (known || !most.significant) return;
+  if (known || !most.significant || seen < options_.min_sets) return;
   // Two cameras that only ever see each other stay undecided: then the one is as good as the other.
   if (most.explained < options_.clear_margin * second && seen < options_.sets_to_decide) return;
   raise(stamp, AlertKind::extrinsics_off, best, -1, most.offset, alerts);

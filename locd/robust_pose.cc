@@ -46,6 +46,9 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   // The set's own say about the velocity, twice: then inliers and velocity have settled.
   for (int round = 0; round < (in_motion ? 3 : 1); ++round) {
     if (!polish(observations, pose, believed, model_sigma_px)) return std::nullopt;
+    if (round == 0 && hear_outliers(observations, pose, believed, model_sigma_px)) {
+      solution.ambiguous = true;
+    }
     if (!in_motion) break;
     whiten(observations, pose, Matrix6d::Zero(), model_sigma_px);
     solution.motion = motion_evidence(observations, map_, solver_, pose, believed.velocity);
@@ -76,7 +79,7 @@ std::optional<RigPoseEstimate> RobustPose::find_pose(std::span<SetObservation> o
   const std::span<const Rigid3> priors =
       predicted ? std::span(&*predicted, 1) : std::span<const Rigid3>();
   seed(observations, few);
-  collect(observations, false);
+  collect(observations, Which::all);
   auto estimate = solver_.solve(fixed_, priors);
   const auto explained = [&] {
     return 2 * classify(observations, estimate->best.pose) > static_cast<int>(observations.size());
@@ -94,7 +97,7 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
                         const VelocityPrior& believed, double model_sigma_px) {
   move_to_set_instant(observations, pose, believed.velocity);
   whiten(observations, pose, believed.covariance, model_sigma_px);
-  collect(observations, false);
+  collect(observations, Which::all);
   if (const auto tukey = solver_.refine(fixed_, pose, {Loss::tukey, options_.tukey_sigmas})) {
     pose = tukey->pose;
   }
@@ -106,12 +109,37 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
     if (inliers == 0) return false;
     if (inliers == before) return true;
     before = inliers;
-    collect(observations, true);
+    collect(observations, Which::inliers);
     const auto least_squares = solver_.refine(fixed_, pose, {Loss::squared, 1.0});
     if (!least_squares) return false;
     pose = least_squares->pose;
   }
   return true;
+}
+
+/// When a quarter or more are outliers: what pose do they give among themselves? It is taken when
+/// it explains more of all than the other did. True when both explain the set about as well.
+bool RobustPose::hear_outliers(std::span<SetObservation> observations, Rigid3& pose,
+                               const VelocityPrior& believed, double model_sigma_px) {
+  constexpr double kAlike = 20.0;  // sigmas², as RigPoseOptions::ambiguity_gap
+  collect(observations, Which::outliers);
+  if (4 * fixed_.size() < observations.size() || fixed_.empty()) return false;
+  const auto theirs = solver_.refine(fixed_, pose);
+  if (!theirs) return false;
+  collect(observations, Which::all);
+  const double ours = solver_.rank(fixed_, pose);
+  Rigid3 other = theirs->pose;
+  const bool exists = polish(observations, other, believed, model_sigma_px);
+  collect(observations, Which::all);
+  const double gain = exists ? ours - solver_.rank(fixed_, other) : -2 * kAlike;
+  if (gain > 0) {
+    pose = other;
+  } else if (!polish(observations, pose, believed, model_sigma_px)) {
+    return true;
+  }
+  const bool distinct = angle_between_rad(other.rotation, pose.rotation) > 0.002 ||
+                        (other.translation - pose.translation).norm() > 0.01;
+  return exists && std::abs(gain) < kAlike && (gain > 0 || distinct);
 }
 
 void RobustPose::hold_against(std::span<SetObservation> observations, const PoseSolution& solution,
@@ -202,10 +230,10 @@ void RobustPose::seed(std::span<SetObservation> observations, std::size_t count)
   }
 }
 
-void RobustPose::collect(std::span<const SetObservation> observations, bool inliers_only) {
+void RobustPose::collect(std::span<const SetObservation> observations, Which which) {
   fixed_.clear();
   for (const SetObservation& o : observations) {
-    if (inliers_only && !o.inlier) continue;
+    if (which != Which::all && o.inlier != (which == Which::inliers)) continue;
     fixed_.push_back({&o.observation, map_.marker(o.map_index).world_from_marker});
   }
 }

@@ -40,7 +40,8 @@ struct RobustPoseOptions {
 /// One robust optimization over all corners of all cameras with the map's markers fixed (core's
 /// Algorithm 1): starts from the prior and from fresh IPPE candidates, so that a wrong prior can't
 /// hold it; Huber's loss finds the way, Tukey's lets go of what does not belong, and least squares
-/// over the inliers has the full efficiency.
+/// over the inliers has the full efficiency. Where many don't belong, they are asked whether they
+/// agree on another pose.
 ///
 /// Corners of other instants than the set's (free-running cameras, rolling shutters) are moved by
 /// what the velocity does to them. The velocity, known beforehand to its covariance, is corrected
@@ -71,12 +72,15 @@ class RobustPose {
   void move_to_set_instant(std::span<SetObservation> observations, const Rigid3& pose,
                            const Vector6d& velocity) const;
   void seed(std::span<SetObservation> observations, std::size_t count);
-  void collect(std::span<const SetObservation> observations, bool inliers_only);
+  enum class Which { all, inliers, outliers };
+  void collect(std::span<const SetObservation> observations, Which which);
   int classify(std::span<SetObservation> observations, const Rigid3& pose) const;
   [[nodiscard]] std::optional<RigPoseEstimate> find_pose(std::span<SetObservation> observations,
                                                          const std::optional<Rigid3>& predicted);
   [[nodiscard]] bool polish(std::span<SetObservation> observations, Rigid3& pose,
                             const VelocityPrior& believed, double model_sigma_px);
+  [[nodiscard]] bool hear_outliers(std::span<SetObservation> observations, Rigid3& pose,
+                                   const VelocityPrior& believed, double model_sigma_px);
   void count_markers(std::span<const SetObservation> observations, PoseSolution& solution);
 
   const MapIndex& map_;

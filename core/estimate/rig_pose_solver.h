@@ -78,6 +78,10 @@ class RigPoseSolver {
       std::span<const FixedMarkerObservation> observations, const Rigid3& start,
       const ObservationLoss& loss) const;
 
+  /// What optima are ranked by, sigmas²: the misfit of all observations, each one's bounded.
+  [[nodiscard]] double rank(std::span<const FixedMarkerObservation> observations,
+                            const Rigid3& world_from_rig) const;
+
   /// cam_from_rig and model of a camera.
   [[nodiscard]] const Rigid3& cam_from_rig(std::size_t camera) const {
     return cam_from_rig_[camera];
@@ -100,8 +104,6 @@ class RigPoseSolver {
                            const Rigid3& world_from_rig, const Bound& bound) const;
   [[nodiscard]] double score(std::span<const FixedMarkerObservation> observations,
                              const Rigid3& world_from_rig) const;
-  [[nodiscard]] double rank(std::span<const FixedMarkerObservation> observations,
-                            const Rigid3& world_from_rig) const;
   [[nodiscard]] bool same(const Rigid3& a, const Rigid3& b) const;
   void keep_optimum(const PoseOptimum& optimum);
 
