@@ -35,3 +35,8 @@ find_file(LCM_JAR lcm.jar PATHS /usr/share/java NO_DEFAULT_PATH REQUIRED)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
 find_package(spdlog REQUIRED)
+
+# The report page is bundled with npm's packages and tested in a browser.
+find_program(NODE NAMES node nodejs REQUIRED)
+find_program(NPM npm REQUIRED)
+find_program(CHROMIUM NAMES chromium chromium-browser REQUIRED)

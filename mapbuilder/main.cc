@@ -96,6 +96,7 @@ Command add_build(CLI::App& app, Progress& progress) {
       ->required();
   sub->add_option("-o,--output", options->output, "map file")->required();
   sub->add_option("--trajectory", options->trajectory, "write the rig's poses (TUM)");
+  sub->add_option("--report", options->report, "folder for summary.json and a page (index.html)");
   sub->add_flag("--mono", options->mono, "every image a frame of its own");
   sub->add_flag("--strict", options->strict, "several sub-maps are an error");
   add_input_options(*sub, options->input);

@@ -5,23 +5,15 @@
 #include <chrono>
 
 #include "core/map/map_file.h"
+#include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
+#include "mapbuilder/report/report_folder.h"
+#include "mapbuilder/report/report_of_build.h"
 
 namespace waymark {
 namespace {
 
-/// "3, 7, 12" of at most `most` ids, then "… (40 in all)".
-std::string list_ids(const std::vector<MarkerId>& ids, bool with_family, std::size_t most = 30) {
-  std::string text;
-  for (std::size_t i = 0; i < std::min(ids.size(), most); ++i) {
-    text += (i > 0 ? ", " : "") + format_marker_id(ids[i], with_family);
-  }
-  if (ids.size() > most) text += fmt::format(", … ({} in all)", ids.size());
-  return text;
-}
-
-void print_summary(const BuildResult& result, const ObservationTable& table, std::ostream& out) {
-  const bool with_family = table.several_families();
+void print_summary(const BuildResult& result, std::ostream& out) {
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     const BuiltSubMap& submap = result.submaps[i];
     fmt::print(out,
@@ -31,58 +23,26 @@ void print_summary(const BuildResult& result, const ObservationTable& table, std
                i, submap.map.markers.size(), submap.trajectory.size(), submap.ambiguous.size(),
                submap.observations, submap.rejected, submap.map.rms_px, submap.map.rms_all_px,
                submap.model_sigma_px);
-    std::vector<MarkerId> unverified;
-    for (const MapMarker& marker : submap.map.markers) {
-      if (!marker.verified) unverified.push_back(marker.id);
-    }
-    if (!unverified.empty()) {
-      fmt::print(out, "sub-map {}: one view, not verified: {}\n", i,
-                 list_ids(unverified, with_family, 1000));
-    }
   }
 }
 
-void print_warnings(const BuildResult& result, const ObservationTable& table, std::ostream& notes) {
-  if (result.submaps.size() > 1) {
-    fmt::print(notes,
-               "warning: the captures fall into {} parts that share no markers; each is a sub-map "
-               "with a frame of its own. Record a capture that sees markers of both parts to join "
-               "them\n",
-               result.submaps.size());
-  }
-  for (std::size_t i = 0; i < result.submaps.size(); ++i) {
-    const BuiltSubMap& submap = result.submaps[i];
-    if (!submap.settled) {
-      fmt::print(notes,
-                 "warning: sub-map {}: adjustment and gate did not come to rest; look at its "
-                 "residuals before you trust it\n",
-                 i);
-    }
-    if (!submap.covariances_known) {
-      fmt::print(notes,
-                 "warning: sub-map {}: the observations don't fix all markers against each other; "
-                 "its covariances are unknown and stand as zero\n",
-                 i);
-    }
-    if (submap.model_sigma_px >= kLargestModelSigma) {
-      fmt::print(
-          notes,
-          "warning: sub-map {}: corners are {} px off and more; check rig.yaml, sizes and ids\n", i,
-          kLargestModelSigma);
+/// What is known to be true of the captures: folders groundtruth, where they are there. One that
+/// can't be read is no reason to build no map.
+std::vector<CaptureTruth> read_truths(const std::vector<DetectedCapture>& captures,
+                                      std::ostream& notes) {
+  std::vector<CaptureTruth> truths;
+  for (const DetectedCapture& capture : captures) {
+    const auto folder = std::filesystem::path(capture.name) / "groundtruth";
+    std::error_code ignored;
+    if (!std::filesystem::is_directory(folder, ignored)) continue;
+    auto truth = read_ground_truth(folder, capture.catalog.only_family());
+    if (!truth) {
+      fmt::print(notes, "note: {}; the report shows no truth\n", truth.error().message);
+    } else if (truth->world_from_rig) {
+      truths.push_back({capture.name, capture.rig, *std::move(truth->world_from_rig)});
     }
   }
-  if (!result.unmapped.empty()) {
-    fmt::print(notes, "warning: seen but not mapped, no pose explains their views: {}\n",
-               list_ids(result.unmapped, table.several_families()));
-  }
-  if (!result.unlocalized.empty()) {
-    fmt::print(notes, "warning: {} frame sets see markers but could not be localized\n",
-               result.unlocalized.size());
-  }
-  if (!result.without_markers.empty()) {
-    fmt::print(notes, "note: {} frame sets see no usable marker\n", result.without_markers.size());
-  }
-  print_table_notes(table, notes);
+  return truths;
 }
 
 }  // namespace
@@ -90,6 +50,9 @@ void print_warnings(const BuildResult& result, const ObservationTable& table, st
 Status run_build(const BuildCommandOptions& options, Progress& progress, std::ostream& out,
                  std::ostream& notes) {
   if (auto writable = check_writable(options.output); !writable) return writable;
+  if (options.report) {
+    if (auto allowed = check_report_folder(*options.report); !allowed) return allowed;
+  }
   if (options.trajectory) {
     if (auto writable = check_writable(*options.trajectory); !writable) return writable;
     if (std::filesystem::weakly_canonical(*options.trajectory) ==
@@ -100,6 +63,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
+  const auto truths = options.report ? read_truths(*captures, notes) : std::vector<CaptureTruth>{};
   auto table =
       make_observation_table(std::move(*captures), {options.mono, options.input.detect.threads});
   if (!table) return tl::make_unexpected(table.error());
@@ -116,10 +80,22 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 options.input.paths.front().string(), table->frame_sets.size(),
                 table->observations.size());
   }
-  print_warnings(result, *table, notes);
+  const std::vector<Finding> findings = build_findings(result, *table);
+  for (const Finding& finding : findings) {
+    fmt::print(notes, "{}\n", one_line(finding, table->several_families()));
+  }
   if (options.strict && result.submaps.size() > 1) {
     return fail(ErrorKind::bad_data, "{}: {} sub-maps, and --strict asks for one; nothing written",
                 options.output.string(), result.submaps.size());
+  }
+  std::optional<ReportFolder> report_folder;
+  if (options.report) {
+    Report report = report_of_build(result, *table, truths);
+    report.findings = findings;
+    report.map_name = options.output.filename().string();
+    auto written = ReportFolder::write(*options.report, report);
+    if (!written) return tl::make_unexpected(written.error());
+    report_folder.emplace(std::move(*written));
   }
   if (auto written = write_map_file(options.output, result.map); !written) return written;
   if (options.trajectory) {
@@ -131,9 +107,15 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
       }
     }
   }
-  print_summary(result, *table, out);
+  if (report_folder) {
+    if (auto placed = report_folder->put_in_place(); !placed) return placed;
+  }
+  print_summary(result, out);
   fmt::print(out, "{}: map {}, built in {:.2f} s\n", options.output.string(),
              content_hash(result.map), elapsed.count());
+  if (options.report) {
+    fmt::print(out, "{}: report\n", (*options.report / "index.html").string());
+  }
   return {};
 }
 

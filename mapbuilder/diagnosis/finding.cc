@@ -1,11 +1,14 @@
 #include "mapbuilder/diagnosis/finding.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 
 namespace waymark {
 namespace {
 
-constexpr std::array<std::string_view, 21> kKinds{"wrong_id",
+constexpr std::array<std::string_view, 24> kKinds{"wrong_id",
                                                   "twin",
                                                   "moved_between_captures",
                                                   "moved_during_capture",
@@ -25,8 +28,11 @@ constexpr std::array<std::string_view, 21> kKinds{"wrong_id",
                                                   "repeated_in_image",
                                                   "marker_moved",
                                                   "marker_appeared",
-                                                  "marker_vanished"};
-static_assert(kKinds[static_cast<std::size_t>(FindingKind::marker_vanished)] == "marker_vanished");
+                                                  "marker_vanished",
+                                                  "poor_fit",
+                                                  "no_marker_seen",
+                                                  "no_square"};
+static_assert(kKinds[static_cast<std::size_t>(FindingKind::no_square)] == "no_square");
 
 constexpr std::array<std::string_view, 3> kSeverities{"error", "warning", "note"};
 
@@ -36,6 +42,22 @@ std::string_view name_of(FindingKind kind) { return kKinds.at(static_cast<std::s
 
 std::string_view name_of(Severity severity) {
   return kSeverities.at(static_cast<std::size_t>(severity));
+}
+
+std::string one_line(const Finding& finding, bool with_family) {
+  constexpr std::size_t kMostIds = 30;
+  std::string line =
+      fmt::format("{}: {}: {}", name_of(finding.severity), finding.title, finding.evidence);
+  if (!finding.remedy.empty()) line += " " + finding.remedy;
+  if (finding.markers.empty()) return line;
+  line += " Markers:";
+  for (std::size_t i = 0; i < std::min(finding.markers.size(), kMostIds); ++i) {
+    line += (i > 0 ? ", " : " ") + format_marker_id(finding.markers[i], with_family);
+  }
+  if (finding.markers.size() > kMostIds) {
+    line += fmt::format(", … ({} in all)", finding.markers.size());
+  }
+  return line;
 }
 
 }  // namespace waymark

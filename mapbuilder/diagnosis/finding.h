@@ -33,6 +33,9 @@ enum class FindingKind {
   marker_moved,            ///< against an earlier map (--frame-of, --quarantine): stands elsewhere
   marker_appeared,         ///< against an earlier map: new
   marker_vanished,         ///< against an earlier map: no longer seen
+  poor_fit,                ///< corners are far off, and nothing says why
+  no_marker_seen,          ///< frame sets without a usable marker
+  no_square,               ///< detections whose corners are no view of a square
 };
 
 /// "wrong_id", "twin", …: as written above.
@@ -68,5 +71,8 @@ struct Finding {
   std::optional<std::size_t> submap;  ///< concerned, index in the map
   std::vector<Figure> figures;
 };
+
+/// One line for a terminal: "warning: title: evidence remedy (ids)", at most 30 ids.
+[[nodiscard]] std::string one_line(const Finding& finding, bool with_family);
 
 }  // namespace waymark

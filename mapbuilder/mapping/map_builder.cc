@@ -213,7 +213,10 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
     const auto marker = static_cast<std::size_t>(o.marker);
     const auto residuals =
         corner_residuals(o, camera_of(table, o).model, cam_from_marker(table, state, o));
-    if (residuals) all.add(*residuals);
+    if (residuals) {
+      all.add(*residuals);
+      result.residuals.push_back({index, state.accepted[index] != 0, *residuals});
+    }
     if (state.accepted[index] == 0 || !residuals) {
       ++rejected[marker];
       ++result.rejected;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -28,12 +29,21 @@ struct LocalizedFrameSet {
   Rigid3 world_from_rig;
 };
 
+/// What the finished map leaves of one observation.
+struct ObservationResidual {
+  std::size_t observation = 0;                ///< index in the table
+  bool accepted = false;                      ///< by the gate
+  std::array<Eigen::Vector2d, 4> corners_px;  ///< observed less predicted
+};
+
 /// One sub-map beside what the map file does not hold.
 struct BuiltSubMap {
   SubMap map;
   std::vector<LocalizedFrameSet> trajectory;  ///< by rising table index; unambiguous ones only
   std::vector<int>
       ambiguous;  ///< frame sets whose runner-up explains their data too; in no trajectory
+  /// Of all observations that have a prediction: of mapped markers in localized frame sets.
+  std::vector<ObservationResidual> residuals;
   double model_sigma_px = 0;       ///< estimated, per axis
   std::size_t observations = 0;    ///< of mapped markers in localized frame sets
   std::size_t rejected = 0;        ///< of these, by the gate

@@ -84,6 +84,45 @@ TEST_F(MainPath, LocalizesAnotherCaptureAgainstTheMap) {
   EXPECT_EQ(read_tum(poses)->size(), 25U);
 }
 
+TEST_F(MainPath, ReportsWithTheTruthBesideTheTrajectory) {
+  write_truth();
+  const auto report = (folder.path() / "report").string();
+  const auto run = run_mapbuilder({"build", capture, "-o", map, "--report", report});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto summary = nlohmann::json::parse(folder.read("report/summary.json"));
+  EXPECT_EQ(summary.at("map"), "room.map");
+  EXPECT_EQ(summary.at("content_hash"), content_hash(*read_map_file(map)));
+  const auto& submap = summary.at("submaps").at(0);
+  EXPECT_EQ(submap.at("markers").size(), 40U);
+  EXPECT_EQ(submap.at("tracks").at(0).at("poses"), 60);
+  EXPECT_EQ(submap.at("tracks").at(0).at("true_poses"), 60);
+  EXPECT_LT(submap.at("tracks").at(0).at("translation_rmse_m").get<double>(), 0.01);
+  EXPECT_NE(folder.read("report/index.html").find("room.map"), std::string::npos);
+}
+
+TEST_F(MainPath, AFolderThatIsNoReportIsLeftAloneAndNothingIsWritten) {
+  folder.write("photos/holiday.jpg", "x");
+  const auto fresh = (folder.path() / "fresh.map").string();
+  const auto run = run_mapbuilder(
+      {"build", capture, "-o", fresh, "--report", (folder.path() / "photos").string()});
+  EXPECT_EQ(run.exit_code, 73);
+  EXPECT_EQ(test::error_lines(run), 1) << run.err;
+  EXPECT_FALSE(std::filesystem::exists(fresh));
+  EXPECT_EQ(folder.read("photos/holiday.jpg"), "x");
+}
+
+TEST_F(MainPath, ADiskThatIsFullLeavesTheEarlierReport) {
+  const auto report = (folder.path() / "report").string();
+  ASSERT_EQ(run_mapbuilder({"build", capture, "-o", map, "--report", report}).exit_code, 0);
+  const std::string before = folder.read("report/index.html");
+  const std::string map_before = folder.read("room.map");
+  // Enough for the summary, too little for the page.
+  const auto run = run_mapbuilder({"build", capture, "-o", map, "--report", report}, 100'000);
+  EXPECT_EQ(run.exit_code, 74);
+  EXPECT_EQ(folder.read("report/index.html"), before);
+  EXPECT_EQ(folder.read("room.map"), map_before);
+}
+
 TEST_F(MainPath, ExportImportAndInfoKeepTheMap) {
   const auto json = (folder.path() / "room.json").string();
   const auto again = (folder.path() / "again.map").string();

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "mapbuilder/diagnosis/finding.h"
+#include "mapbuilder/mapping/map_builder.h"
+
+namespace waymark {
+
+/// What a build itself knows to be wrong or weak: parts that share no markers, an adjustment that
+/// did not come to rest, unknown covariances, corners far off, markers of one view, markers and
+/// frame sets without a pose, ids found twice in one image, corners of no square, frame sets
+/// without markers. In that
+/// order.
+[[nodiscard]] std::vector<Finding> build_findings(const BuildResult& result,
+                                                  const ObservationTable& table);
+
+}  // namespace waymark

@@ -1,0 +1,160 @@
+#include "mapbuilder/report/report_of_build.h"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "core/base/check.h"
+#include "mapbuilder/evaluate/trajectory.h"
+
+namespace waymark {
+namespace {
+
+const TableFrameSet& frame_set_of(const ObservationTable& table, int index) {
+  return table.frame_sets[static_cast<std::size_t>(index)];
+}
+
+const std::string& capture_of(const ObservationTable& table, const TableFrameSet& set) {
+  return table.capture_names[static_cast<std::size_t>(set.capture)];
+}
+
+/// The report's cameras: those that are alike (name and intrinsics) are one.
+class CameraList {
+ public:
+  explicit CameraList(std::vector<ReportCamera>& cameras) : cameras_(cameras) {}
+
+  std::size_t index_of(const RigCamera& camera, const std::string& capture) {
+    for (std::size_t i = 0; i < known_.size(); ++i) {
+      if (known_[i]->name == camera.name &&
+          known_[i]->model.parameters() == camera.model.parameters()) {
+        return i;
+      }
+    }
+    const bool name_taken = std::any_of(known_.begin(), known_.end(), [&](const RigCamera* other) {
+      return other->name == camera.name;
+    });
+    const CameraParameters& p = camera.model.parameters();
+    cameras_.push_back({name_taken ? camera.name + " of " + capture : camera.name,
+                        p.width_px,
+                        p.height_px,
+                        {p.pu_px, p.pv_px}});
+    known_.push_back(&camera);
+    return cameras_.size() - 1;
+  }
+
+ private:
+  std::vector<ReportCamera>& cameras_;
+  std::vector<const RigCamera*> known_;
+};
+
+void add_observations(const BuildResult& result, const ObservationTable& table, Report& report) {
+  CameraList cameras(report.cameras);
+  for (const BuiltSubMap& submap : result.submaps) {
+    for (const ObservationResidual& residual : submap.residuals) {
+      const TableObservation& o = table.observations[residual.observation];
+      const TableFrameSet& set = frame_set_of(table, o.frame_set);
+      report.observations.push_back({table.markers[static_cast<std::size_t>(o.marker)],
+                                     cameras.index_of(camera_of(table, o), capture_of(table, set)),
+                                     residual.accepted, o.corners_px, residual.corners_px});
+    }
+  }
+}
+
+std::vector<ReportTrack> tracks_of(const BuiltSubMap& submap, const ObservationTable& table) {
+  std::map<std::pair<int, int>, ReportTrack> tracks;  // by capture and camera
+  for (const LocalizedFrameSet& localized : submap.trajectory) {
+    const TableFrameSet& set = frame_set_of(table, localized.frame_set);
+    ReportTrack& track = tracks[{set.capture, set.camera}];
+    track.capture = capture_of(table, set);
+    if (set.camera >= 0) track.camera = fmt::format("cam{}", set.camera);
+    track.poses.push_back({set.stamp, localized.world_from_rig});
+  }
+  std::vector<ReportTrack> sorted;
+  for (auto& [key, track] : tracks) {
+    std::stable_sort(track.poses.begin(), track.poses.end(),
+                     [](const StampedPose& a, const StampedPose& b) { return a.stamp < b.stamp; });
+    sorted.push_back(std::move(track));
+  }
+  return sorted;
+}
+
+/// The true poses of what a track follows, carried by `map_from_truth`.
+std::vector<StampedPose> true_poses(const ReportTrack& track, const CaptureTruth& truth,
+                                    const Rigid3& map_from_truth) {
+  Rigid3 rig_from_tracked;
+  if (track.camera) {
+    const auto camera =
+        std::find_if(truth.rig.cameras.begin(), truth.rig.cameras.end(),
+                     [&](const RigCamera& candidate) { return candidate.name == *track.camera; });
+    WAYMARK_CHECK(camera != truth.rig.cameras.end());
+    rig_from_tracked = camera->rig_from_cam;
+  }
+  std::vector<StampedPose> poses;
+  for (const StampedPose& pose : truth.world_from_rig) {
+    poses.push_back({pose.stamp, map_from_truth * pose.pose * rig_from_tracked});
+  }
+  return poses;
+}
+
+/// Lays a capture's truth beside its tracks; stays away where no pose has a true one.
+void add_truth(const CaptureTruth& truth, std::vector<ReportTrack>& tracks) {
+  std::vector<Trajectory> estimated;
+  for (const ReportTrack& track : tracks) {
+    if (track.capture == truth.capture) estimated.push_back({track.camera, track.poses});
+  }
+  if (estimated.empty()) return;
+  const auto matched = match_with_truth(estimated, truth.world_from_rig, &truth.rig);
+  WAYMARK_CHECK(matched.has_value());  // the cameras are the rig's own
+  const auto accuracy = accuracy_of_cameras(matched->pairs);
+  if (!accuracy) return;
+  const Rigid3 map_from_truth = accuracy->truth_from_estimate.inverse();
+  for (ReportTrack& track : tracks) {
+    if (track.capture != truth.capture) continue;
+    track.true_poses = true_poses(track, truth, map_from_truth);
+    track.rmse_to_true = accuracy->rmse;
+  }
+}
+
+Eigen::Vector3d camera_up_in_world(const BuiltSubMap& submap, const ObservationTable& table) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  double count = 0;
+  for (const LocalizedFrameSet& localized : submap.trajectory) {
+    const TableFrameSet& set = frame_set_of(table, localized.frame_set);
+    for (const RigCamera& camera : table.rigs[static_cast<std::size_t>(set.rig)].cameras) {
+      sum -= localized.world_from_rig.rotation *
+             (camera.rig_from_cam.rotation * Eigen::Vector3d::UnitY());
+      count += 1;
+    }
+  }
+  return count == 0 ? sum : Eigen::Vector3d(sum / count);
+}
+
+}  // namespace
+
+Report report_of_build(const BuildResult& result, const ObservationTable& table,
+                       const std::vector<CaptureTruth>& truths) {
+  Report report;
+  report.map = result.map;
+  for (std::size_t i = 0; i < table.capture_names.size(); ++i) {
+    report.captures.push_back({table.capture_names[i], table.capture_fingerprints[i]});
+  }
+  for (const BuiltSubMap& submap : result.submaps) {
+    ReportSubMap told;
+    told.tracks = tracks_of(submap, table);
+    for (const CaptureTruth& truth : truths) add_truth(truth, told.tracks);
+    told.observations = submap.observations;
+    told.rejected = submap.rejected;
+    told.ambiguous = submap.ambiguous.size();
+    told.corner_sigma_px = submap.model_sigma_px;
+    told.covariances_known = submap.covariances_known && submap.map.markers.size() > 1;
+    told.camera_up_in_world = camera_up_in_world(submap, table);
+    report.submaps.push_back(std::move(told));
+  }
+  add_observations(result, table, report);
+  report.unmapped = result.unmapped;
+  report.unlocalized = result.unlocalized.size();
+  report.without_markers = result.without_markers.size();
+  return report;
+}
+
+}  // namespace waymark

@@ -1,0 +1,110 @@
+#include "mapbuilder/diagnosis/build_findings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/mapbuilder/mapping/room_table.h"
+
+namespace waymark {
+namespace {
+
+/// A sound build of two verified markers.
+struct Sound {
+  Sound() {
+    BuiltSubMap submap;
+    submap.settled = true;
+    submap.covariances_known = true;
+    submap.model_sigma_px = 0.2;
+    for (const int number : {3, 7}) {
+      MapMarker marker;
+      marker.id = {Family::tag36h11, number};
+      marker.verified = true;
+      submap.map.markers.push_back(marker);
+    }
+    result.submaps.push_back(submap);
+    table.frame_sets.resize(10);
+  }
+  BuildResult result;
+  ObservationTable table;
+
+  [[nodiscard]] std::vector<FindingKind> kinds() const {
+    std::vector<FindingKind> found;
+    for (const Finding& finding : build_findings(result, table)) {
+      EXPECT_FALSE(finding.title.empty());
+      EXPECT_FALSE(finding.evidence.empty());
+      EXPECT_TRUE(finding.severity == Severity::note || !finding.remedy.empty());
+      found.push_back(finding.kind);
+    }
+    return found;
+  }
+};
+
+using Kinds = std::vector<FindingKind>;
+
+TEST(BuildFindings, NothingIsSaidOfASoundBuild) { EXPECT_EQ(Sound().kinds(), Kinds{}); }
+
+TEST(BuildFindings, NothingIsSaidOfASoundRoom) {
+  test::RoomOptions options;
+  options.noise_px = 0.2;
+  ObservationTable table = test::table_of(test::make_room(options));
+  Progress progress;
+  const BuildResult result = build_map(table, {}, progress);
+  EXPECT_TRUE(build_findings(result, table).empty());
+}
+
+TEST(BuildFindings, MarkersOfOneViewAreNamedAndNoOthers) {
+  Sound build;
+  build.result.submaps[0].map.markers[1].verified = false;
+  const auto findings = build_findings(build.result, build.table);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].kind, FindingKind::one_view);
+  EXPECT_EQ(findings[0].title, "1 marker rests on one view");
+  EXPECT_EQ(findings[0].markers, (std::vector<MarkerId>{{Family::tag36h11, 7}}));
+  EXPECT_EQ(findings[0].submap, 0U);
+}
+
+TEST(BuildFindings, PartsAreCounted) {
+  Sound build;
+  build.result.submaps.push_back(build.result.submaps[0]);
+  build.result.submaps[1].map.markers.pop_back();
+  const auto findings = build_findings(build.result, build.table);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].kind, FindingKind::submaps);
+  ASSERT_EQ(findings[0].figures.size(), 2U);
+  EXPECT_EQ(findings[0].figures[1].value, 1.0);
+}
+
+TEST(BuildFindings, EachWeaknessOfASubMapHasItsFinding) {
+  Sound unsettled;
+  unsettled.result.submaps[0].settled = false;
+  EXPECT_EQ(unsettled.kinds(), Kinds{FindingKind::unsettled});
+  Sound loose;
+  loose.result.submaps[0].covariances_known = false;
+  EXPECT_EQ(loose.kinds(), Kinds{FindingKind::covariances_unknown});
+  Sound poor;
+  poor.result.submaps[0].model_sigma_px = kLargestModelSigma;
+  EXPECT_EQ(poor.kinds(), Kinds{FindingKind::poor_fit});
+  poor.result.submaps[0].model_sigma_px = kLargestModelSigma * 0.99;
+  EXPECT_EQ(poor.kinds(), Kinds{});
+}
+
+TEST(BuildFindings, WhatFoundNoPlaceIsSaid) {
+  Sound build;
+  build.result.unmapped = {{Family::tag36h11, 44}};
+  build.result.unlocalized = {1, 2};
+  build.result.without_markers = {5};
+  build.table.repeated_in_image = 6;
+  build.table.degenerate = 1;
+  EXPECT_EQ(build.kinds(),
+            (Kinds{FindingKind::unmapped, FindingKind::unlocalized, FindingKind::repeated_in_image,
+                   FindingKind::no_square, FindingKind::no_marker_seen}));
+  const auto findings = build_findings(build.result, build.table);
+  EXPECT_EQ(findings[0].title, "1 marker seen but not mapped");
+  EXPECT_EQ(findings[1].title, "2 frame sets could not be localized");
+  EXPECT_EQ(findings[3].severity, Severity::note);
+  EXPECT_EQ(findings[4].severity, Severity::note);
+}
+
+}  // namespace
+}  // namespace waymark
