@@ -154,12 +154,4 @@ export class Page {
     }
     await this.painted();
   }
-
-  /** A picture of the whole page, or of `clip` {x, y, width, height} in page pixels. */
-  async picture({ clip, format = "png", quality } = {}) {
-    const { data } = await this.send("Page.captureScreenshot", {
-      format, quality, captureBeyondViewport: true, ...(clip ? { clip: { ...clip, scale: 1 } } : {}),
-    });
-    return Buffer.from(data, "base64");
-  }
 }
