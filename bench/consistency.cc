@@ -5,25 +5,20 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "bench/chi_square.h"
 #include "bench/scene_bound.h"
 #include "bench/scene_trial.h"
-#include "simulator/rig_library.h"
-#include "simulator/scene_library.h"
-#include "simulator/simulate_detections.h"
 
 namespace waymark::bench {
 namespace {
 
 struct Options {
   std::string work;
-  std::vector<std::string> scenes = {"room1", "warehouse", "calibration"};
+  std::vector<std::string> scenes = {"room1", "room2", "warehouse"};
   std::string rig = "cg120";
   int seeds = 100;
   double noise_px = 0.1;
@@ -40,25 +35,6 @@ struct SeedResult {
   double block_difference = 0;  ///< of stored covariances from the joint one's blocks, relative
   double model_sigma_px = 0;
 };
-
-Expected<SceneCapture> simulate(const Options& options, const std::string& scene, int seed) {
-  const std::filesystem::path folder =
-      std::filesystem::path(options.work) / fmt::format("{}-{}-{}", scene, options.rig, seed);
-  const auto building = simulator::load_scene(scene);
-  if (!building) return tl::make_unexpected(building.error());
-  const auto rig = simulator::load_rig(options.rig);
-  if (!rig) return tl::make_unexpected(rig.error());
-  simulator::DetectionsJob job;
-  job.noise_px = options.noise_px;
-  job.seed = static_cast<std::uint64_t>(seed);
-  job.show_progress = false;
-  const std::atomic<bool> stop{false};
-  const auto simulated = simulator::simulate_detections(*building, *rig, job, folder, stop);
-  if (!simulated) return tl::make_unexpected(simulated.error());
-  auto capture = take_capture(folder, scene, options.rig);
-  std::filesystem::remove_all(folder);
-  return capture;
-}
 
 Expected<SeedResult> judge(const SceneCapture& capture, const SceneRmse& bound) {
   auto trial = map_scene(capture, {});
@@ -80,15 +56,14 @@ Expected<SeedResult> judge(const SceneCapture& capture, const SceneRmse& bound) 
   const SubMap& map = trial->built.submaps.front().map;
   const Rigid3 map_from_truth = trial->markers.errors->truth_from_estimate.inverse();
   Eigen::VectorXd error(static_cast<Eigen::Index>(6 * map.markers.size()));
-  const Eigen::MatrixXd covariance = joint->marker_covariance();
+  const std::vector<Matrix6d> blocks = joint->marker_blocks();
   for (std::size_t i = 0; i < map.markers.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(6 * i);
     const MapMarker& marker = map.markers[i];
     error.segment<6>(row) = marker.world_from_marker.minus(
         map_from_truth * capture.truth.world_from_marker->at(marker.id));
-    const Matrix6d block = covariance.block<6, 6>(row, row);
-    result.block_difference =
-        std::max(result.block_difference, (marker.covariance - block).norm() / block.norm());
+    result.block_difference = std::max(result.block_difference,
+                                       (marker.covariance - blocks[i]).norm() / blocks[i].norm());
   }
   result.chi2 = joint->marker_chi2(error);
   result.freedom = static_cast<double>(joint->marker_freedom());
@@ -113,7 +88,7 @@ std::string ratios(const std::vector<SeedResult>& results, double SeedResult::*p
 
 Status run_scene(const Options& options, const std::string& scene) {
   // Every seed sees the same markers from the same places: one bound for all.
-  const auto first = simulate(options, scene, 1);
+  const auto first = simulated_detections(options.work, scene, options.rig, options.noise_px, 1, 0);
   if (!first) return tl::make_unexpected(first.error());
   auto trial = map_scene(*first, {});
   if (!trial) return tl::make_unexpected(trial.error());
@@ -127,7 +102,8 @@ Status run_scene(const Options& options, const std::string& scene) {
   std::vector<SeedResult> results;
   std::vector<double> probabilities;
   for (int seed = 1; seed <= options.seeds; ++seed) {
-    const auto capture = simulate(options, scene, seed);
+    const auto capture =
+        simulated_detections(options.work, scene, options.rig, options.noise_px, seed, 0);
     if (!capture) return tl::make_unexpected(capture.error());
     const auto result = judge(*capture, bound);
     if (!result) return tl::make_unexpected(result.error());

@@ -14,6 +14,7 @@
 #include "simulator/render_capture.h"
 #include "simulator/rig_library.h"
 #include "simulator/scene_library.h"
+#include "simulator/simulate_detections.h"
 
 namespace waymark::bench {
 namespace {
@@ -103,6 +104,28 @@ Expected<SceneCapture> take_capture(const fs::path& folder, const std::string& s
     return fail(ErrorKind::no_input, "{}: the truth of markers or rig is absent", folder.string());
   }
   capture.truth = *std::move(truth);
+  return capture;
+}
+
+Expected<SceneCapture> simulated_detections(const fs::path& work, const std::string& scene,
+                                            const std::string& rig, double noise_px, int seed,
+                                            int positions) {
+  const fs::path folder = work / fmt::format("{}-{}-{}px-{}", scene, rig, noise_px, seed);
+  const auto building = simulator::load_scene(scene);
+  if (!building) return tl::make_unexpected(building.error());
+  const auto mounted = simulator::load_rig(rig);
+  if (!mounted) return tl::make_unexpected(mounted.error());
+  simulator::DetectionsJob job;
+  job.positions = positions;
+  job.noise_px = noise_px;
+  job.seed = static_cast<std::uint64_t>(seed);
+  job.show_progress = false;
+  const std::atomic<bool> stop{false};
+  const auto simulated = simulator::simulate_detections(*building, *mounted, job, folder, stop);
+  if (!simulated) return tl::make_unexpected(simulated.error());
+  auto capture = take_capture(folder, scene, rig);
+  std::error_code ignored;
+  fs::remove_all(folder, ignored);
   return capture;
 }
 

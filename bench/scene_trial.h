@@ -37,6 +37,13 @@ struct SceneCapture {
 [[nodiscard]] Expected<SceneCapture> take_capture(const std::filesystem::path& folder,
                                                   const std::string& scene, const std::string& rig);
 
+/// A scene's detections, with Gaussian noise and nothing else wrong. Takes a folder's place below
+/// `work` for a moment. `positions` 0: all of the scene's.
+[[nodiscard]] Expected<SceneCapture> simulated_detections(const std::filesystem::path& work,
+                                                          const std::string& scene,
+                                                          const std::string& rig, double noise_px,
+                                                          int seed, int positions);
+
 /// A map beside its truth.
 struct SceneTrial {
   ObservationTable table;  ///< with the whitening that the map was built with

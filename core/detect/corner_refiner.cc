@@ -41,15 +41,26 @@ std::optional<Eigen::Vector2d> intersection(const Line& a, const Line& b) {
   return Eigen::Vector2d(a.point + t * a.direction);
 }
 
+/// How much of what a side shows may be the light's doing. Sigmas as shares of the contrast.
+struct LightPrior {
+  double grey;  ///< of black and white about the plane through all sides' greys
+  double
+      saturated;  ///< of white besides, where it is saturated: its edge alone can tell how bright
+  double uneven;  ///< of a side's unevenness
+};
+constexpr LightPrior kAnyLight{0.04, 0.1, 0.1};
+constexpr LightPrior kEvenLight{0.04, 0, 0.003};
+
 /// The marker's four sides as they are known so far.
 class Refinement {
  public:
   Refinement(const GrayView& image, const CameraModel& camera, const Quad& rough,
-             const MarkerBits& bits, const RefineOptions& options)
+             const MarkerBits& bits, const RefineOptions& options, const LightPrior& light)
       : image_(image),
         rough_(rough),
         bits_(bits),
         options_(options),
+        light_(light),
         plane_(camera, axis(camera)) {}
 
   std::optional<Failure> run();
@@ -73,6 +84,7 @@ class Refinement {
   const Quad& rough_;
   const MarkerBits& bits_;
   const RefineOptions& options_;
+  LightPrior light_;
   MarkerPlane plane_;
   Quad corners_;         // in the marker plane
   ImageCorners pixels_;  // of the corners
@@ -216,7 +228,9 @@ void Refinement::share_appearance(double log_blur_sigma) {
       prior.mean.black_grey[e] = grey[0];
       prior.mean.white_grey[e] = grey[1];
     }
-    prior.grey_sigma = 0.04 * contrast;
+    prior.black_sigma = light_.grey * contrast;
+    prior.white_sigma = (light_.grey + light_.saturated * steps_[i].saturated_share) * contrast;
+    prior.uneven_sigma = light_.uneven * contrast;
     const std::size_t opposite = (i + 2) % 4;
     const double own = 1e-9 + steps_[i].information_blur;
     const double other = 1e-9 + steps_[opposite].information_blur;
@@ -355,9 +369,16 @@ tl::expected<RefinedCorners, RefineFailure> refine_corners(const GrayView& image
                                                            const ImageCorners& rough,
                                                            const MarkerBits& bits,
                                                            const RefineOptions& options) {
-  Refinement refinement(image, camera, rough, bits, options);
-  if (const auto failure = refinement.run()) return tl::unexpected(*failure);
-  return refinement.result();
+  Refinement refinement(image, camera, rough, bits, options, kAnyLight);
+  const auto failure = refinement.run();
+  if (!failure) return refinement.result();
+  if (*failure != Failure::not_converged && *failure != Failure::covered) {
+    return tl::unexpected(*failure);
+  }
+  // Bent or stained paper: what light and bow may explain alike is left to the bow then.
+  Refinement plainer(image, camera, rough, bits, options, kEvenLight);
+  if (plainer.run()) return tl::unexpected(*failure);
+  return plainer.result();
 }
 
 }  // namespace waymark

@@ -296,14 +296,12 @@ void SideFit::add_prior(const SidePrior& prior) {
   };
   const SideAppearance& mean = prior.mean;
   add(kLogBlur, std::log(mean.blur_px / start_.blur_px), prior.log_blur_sigma);
-  add(kBlack0, mean.black_grey[0] - start_.black_grey[0], prior.grey_sigma);
-  add(kBlack1, mean.black_grey[1] - start_.black_grey[1], prior.grey_sigma);
-  add(kWhite0, mean.white_grey[0] - start_.white_grey[0], prior.grey_sigma);
-  add(kWhite1, mean.white_grey[1] - start_.white_grey[1], prior.grey_sigma);
-  // Light falls evenly but for shadows, whose edges are soft.
-  constexpr double kUnevenShare = 0.1;  // of the contrast
-  add(kUneven0, -start_.uneven_grey[0], kUnevenShare * start_.contrast_grey());
-  add(kUneven1, -start_.uneven_grey[1], kUnevenShare * start_.contrast_grey());
+  add(kBlack0, mean.black_grey[0] - start_.black_grey[0], prior.black_sigma);
+  add(kBlack1, mean.black_grey[1] - start_.black_grey[1], prior.black_sigma);
+  add(kWhite0, mean.white_grey[0] - start_.white_grey[0], prior.white_sigma);
+  add(kWhite1, mean.white_grey[1] - start_.white_grey[1], prior.white_sigma);
+  add(kUneven0, -start_.uneven_grey[0], prior.uneven_sigma);
+  add(kUneven1, -start_.uneven_grey[1], prior.uneven_sigma);
   constexpr double kPaperEndSigma = 0.5;
   add(kPaperEnd, -start_.paper_end, kPaperEndSigma);
   // Sides are straight but for paper and lenses that aren't: Cauchy's prior lets go of a bow that

@@ -31,7 +31,9 @@ struct SideAppearance {
 /// it alone.
 struct SidePrior {
   SideAppearance mean;
-  double grey_sigma = 0;      ///< of black and white (grey levels)
+  double black_sigma = 0;     ///< grey levels
+  double white_sigma = 0;     ///< likewise
+  double uneven_sigma = 0;    ///< of SideAppearance::uneven_grey about 0 (grey levels)
   double log_blur_sigma = 0;  ///< of ln blur
 };
 

@@ -148,6 +148,7 @@ bool SceneCovariance::invert() {
   // Fixing the world's motions by a soft weight of the information's own size leaves everything
   // else as it is, for the information says nothing about them.
   const Eigen::MatrixXd orthonormal = orthonormal_basis(world_motions_.topRows(markers));
+  information_ = information;
   const double weight = information.diagonal().mean();
   information += weight * orthonormal * orthonormal.transpose();
   const Eigen::LLT<Eigen::MatrixXd> factor(information);
@@ -225,24 +226,30 @@ SceneRmse SceneCovariance::quantile(double probability, int samples, std::uint64
           quantile_of(rigs_in_map, probability)};
 }
 
-Eigen::MatrixXd SceneCovariance::marker_covariance() const {
+Eigen::MatrixXd SceneCovariance::aligned_marker_root() const {
   const Eigen::Index markers = row_of(markers_);
   const Eigen::MatrixXd motions = world_motions_.topRows(markers);
   const Eigen::MatrixXd of_markers = root_.topLeftCorner(markers, markers);
-  const Eigen::MatrixXd aligned = of_markers - motions * fitted_motions(motions, of_markers);
+  return of_markers - motions * fitted_motions(motions, of_markers);
+}
+
+Eigen::MatrixXd SceneCovariance::marker_covariance() const {
+  const Eigen::MatrixXd aligned = aligned_marker_root();
   return aligned * aligned.transpose();
 }
 
+std::vector<Matrix6d> SceneCovariance::marker_blocks() const {
+  const Eigen::MatrixXd aligned = aligned_marker_root();
+  std::vector<Matrix6d> blocks;
+  for (std::size_t i = 0; i < markers_; ++i) {
+    const auto rows = aligned.middleRows<6>(row_of(i));
+    blocks.emplace_back(rows * rows.transpose());
+  }
+  return blocks;
+}
+
 double SceneCovariance::marker_chi2(const Eigen::VectorXd& error) const {
-  // Filled up by what alignment takes out of it, the covariance is regular, and its inverse is the
-  // pseudo-inverse for errors that are aligned.
-  Eigen::MatrixXd covariance = marker_covariance();
-  const Eigen::Index markers = row_of(markers_);
-  Eigen::MatrixXd positions = world_motions_.topRows(markers);
-  for (Eigen::Index i = 0; i < markers; i += 6) positions.middleRows<3>(i + 3).setZero();
-  const Eigen::MatrixXd orthonormal = orthonormal_basis(positions);
-  covariance += covariance.diagonal().mean() * orthonormal * orthonormal.transpose();
-  return error.dot(covariance.llt().solve(error));
+  return error.dot(information_ * error);
 }
 
 }  // namespace waymark

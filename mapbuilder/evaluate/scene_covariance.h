@@ -67,8 +67,11 @@ class SceneCovariance {
   /// the markers' positions: of rank 6M − 6.
   [[nodiscard]] Eigen::MatrixXd marker_covariance() const;
 
+  /// Its 6×6 blocks on the diagonal, one per marker: what a map stores.
+  [[nodiscard]] std::vector<Matrix6d> marker_blocks() const;
+
   /// eᵀ C⁺ e of the markers' error e (6M, so aligned) with C = marker_covariance(): χ² of 6M − 6
-  /// degrees of freedom when C tells the truth.
+  /// degrees of freedom when C tells the truth. For aligned errors the reduced information is C⁺.
   [[nodiscard]] double marker_chi2(const Eigen::VectorXd& error) const;
 
   /// Degrees of freedom of marker_chi2.
@@ -82,6 +85,8 @@ class SceneCovariance {
     Eigen::MatrixXd markers, rigs, rigs_in_map;
   };
   [[nodiscard]] Aligned align(const Eigen::MatrixXd& displacements) const;
+  /// The markers' part of the root, aligned on their positions.
+  [[nodiscard]] Eigen::MatrixXd aligned_marker_root() const;
 
   /// One observation's part of the normal equations, its marker's six rows first.
   struct Part {
@@ -98,6 +103,7 @@ class SceneCovariance {
   std::size_t rigs_ = 0;
   std::vector<Part> parts_;
   Eigen::MatrixXd world_motions_;  ///< N: 6 rows per pose, markers first; shift, turn
+  Eigen::MatrixXd information_;    ///< of the markers, with the rigs eliminated
   Eigen::MatrixXd root_;           ///< R Rᵀ is a generalized inverse of the information
 };
 
