@@ -89,6 +89,12 @@ Command add_detect(CLI::App& app, Progress& progress) {
   return [options, &progress] { return run_detect(*options, progress, std::cout, std::cerr); };
 }
 
+void free_by_name(FreeCalibration& free, const std::string& name) {
+  if (name == "extrinsics") free.extrinsics = true;
+  if (name == "intrinsics") free.intrinsics = true;
+  if (name == "sizes") free.sizes = true;
+}
+
 Command add_build(CLI::App& app, Progress& progress) {
   auto* sub = app.add_subcommand("build", "build a marker map from captures");
   auto options = std::make_shared<BuildCommandOptions>();
@@ -98,6 +104,17 @@ Command add_build(CLI::App& app, Progress& progress) {
   sub->add_option("--trajectory", options->trajectory, "write the rig's poses (TUM)");
   sub->add_option("--report", options->report, "folder for summary.json and a page (index.html)");
   sub->add_flag("--mono", options->mono, "every image a frame of its own");
+  sub->add_option("--survey", options->survey, "distances and points measured on site (TOML)");
+  sub->add_option_function<std::vector<std::string>>(
+         "--refine",
+         [options](const std::vector<std::string>& names) {
+           for (const std::string& name : names) free_by_name(options->build.refine, name);
+         },
+         "extrinsics,intrinsics,sizes: what the images may correct")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"extrinsics", "intrinsics", "sizes"}));
+  sub->add_option("--refined-rig", options->refined_rig,
+                  "where a refined rig is written; default: MAP with .yaml, numbered if several");
   sub->add_flag("--strict", options->strict, "several sub-maps are an error");
   add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);

@@ -4,6 +4,8 @@
 
 #include <chrono>
 
+#include "core/base/atomic_file.h"
+#include "core/camera/kalibr.h"
 #include "core/map/map_file.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
@@ -24,6 +26,42 @@ void print_summary(const BuildResult& result, std::ostream& out) {
                submap.observations, submap.rejected, submap.map.rms_px, submap.map.rms_all_px,
                submap.model_sigma_px);
   }
+}
+
+void print_survey(const BuildResult& result, std::ostream& out) {
+  for (std::size_t i = 0; i < result.submaps.size(); ++i) {
+    for (const SurveyResidual& entry : result.submaps[i].survey) {
+      if (!entry.mapped) continue;
+      fmt::print(out, "sub-map {}: survey {}: {}: off by {:+.2f} mm ({:.1f} sigma)\n", i,
+                 entry.use == SurveyUse::fit ? "fit" : "check", entry.entry,
+                 entry.residual_m * 1e3, entry.residual_m / entry.sigma_m);
+    }
+  }
+}
+
+/// The family that a bare number means; nullopt where several meet.
+std::optional<Family> only_family_of(const ObservationTable& table) {
+  if (table.several_families() || table.markers.empty()) return std::nullopt;
+  return table.markers.front().family;
+}
+
+/// The refined rigs as camchains: MAP's name with .yaml, numbered from the second on.
+Status write_refined_rigs(const BuildCommandOptions& options, const ObservationTable& table,
+                          std::ostream& out) {
+  const std::filesystem::path first =
+      options.refined_rig.value_or(std::filesystem::path(options.output).replace_extension(".yaml"));
+  for (std::size_t i = 0; i < table.rigs.size(); ++i) {
+    std::filesystem::path path = first;
+    if (i > 0) {
+      path.replace_filename(fmt::format("{}.{}{}", first.stem().string(), i,
+                                        first.extension().string()));
+    }
+    if (auto written = write_file_atomically(path, format_camchain(table.rigs[i])); !written) {
+      return written;
+    }
+    fmt::print(out, "{}: refined rig\n", path.string());
+  }
+  return {};
 }
 
 /// What is known to be true of the captures: folders groundtruth, where they are there. One that
@@ -69,6 +107,11 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   if (!table) return tl::make_unexpected(table.error());
 
   BuildOptions build = options.build;
+  if (options.survey) {
+    auto survey = read_survey(*options.survey, only_family_of(*table));
+    if (!survey) return tl::make_unexpected(survey.error());
+    build.survey = *std::move(survey);
+  }
   build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
   const BuildResult result = build_map(*table, build, progress);
@@ -98,6 +141,11 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     report_folder.emplace(std::move(*written));
   }
   if (auto written = write_map_file(options.output, result.map); !written) return written;
+  const bool refined = options.build.refine.extrinsics || options.build.refine.intrinsics;
+  const auto& calibration = result.submaps.front().calibration;
+  if (refined && calibration && calibration->refused.empty()) {
+    if (auto written = write_refined_rigs(options, *table, out); !written) return written;
+  }
   if (options.trajectory) {
     for (std::size_t i = 0; i < result.submaps.size(); ++i) {
       if (auto written =
@@ -111,6 +159,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     if (auto placed = report_folder->put_in_place(); !placed) return placed;
   }
   print_summary(result, out);
+  print_survey(result, out);
   fmt::print(out, "{}: map {}, built in {:.2f} s\n", options.output.string(),
              content_hash(result.map), elapsed.count());
   if (options.report) {

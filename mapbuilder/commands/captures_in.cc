@@ -65,7 +65,7 @@ Expected<std::vector<DetectedCapture>> take_captures_in(const CaptureInput& inpu
     if (!folder) return tl::make_unexpected(folder.error());
     print_notes(folder->notes, notes);
     if (folder->survey_toml) {
-      fmt::print(notes, "note: {}: surveys are not used yet; sizes alone set the scale\n",
+      fmt::print(notes, "note: {0}: used only when asked for: --survey {0}\n",
                  folder->survey_toml->string());
     }
     folders.push_back(std::move(*folder));

@@ -2,11 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <memory>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/estimate/corner_residual.h"
+#include "core/estimate/ippe.h"
 #include "mapbuilder/mapping/block_cholesky.h"
+#include "mapbuilder/mapping/survey_factors.h"
 
 namespace waymark {
 namespace {
@@ -108,17 +113,103 @@ JointUnknowns minimize(JointProblem& problem, const AdjustmentOptions& options,
   return here;
 }
 
+/// Priors and survey of the scope.
+std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope,
+                                                    const ObservationTable& table,
+                                                    const JointProblem& problem) {
+  std::vector<std::unique_ptr<KeptFactor>> factors;
+  if (scope.survey != nullptr) {
+    factors = survey_factors(*scope.survey, table, problem, scope.world_is_facility);
+  }
+  if (scope.free.sizes) {
+    std::map<int, double> already;
+    for (std::size_t m = 0; m < table.markers.size(); ++m) {
+      already.emplace(problem.size_class_of(static_cast<int>(m)),
+                      table.sizes_m[m] / table.stated_sizes_m[m]);
+    }
+    for (const auto& [size_class, factor] : already) {
+      factors.push_back(size_prior(problem, static_cast<std::size_t>(size_class), factor,
+                                   scope.size_sigma));
+    }
+  }
+  if (scope.free.edge_bias) {
+    for (std::size_t c = 0; c < problem.start().cameras.size(); ++c) {
+      factors.push_back(edge_bias_prior(problem, c, table.edge_bias_px[c], scope.edge_bias_sigma_px));
+    }
+  }
+  return factors;
+}
+
+CalibrationUncertainty uncertainty_of(JointProblem& problem, const JointUnknowns& at) {
+  const KeptLayout& layout = problem.layout();
+  BlockCholesky cholesky(problem.pattern());
+  const bool determined = cholesky.factorize(problem.reduce(at, 0.0).information);
+  const std::vector<Matrix6d> covariance =
+      determined ? cholesky.inverse_diagonal() : std::vector<Matrix6d>{};
+  const auto sigma = [&](int block, int first, int count) {
+    if (block < 0) return 0.0;
+    if (!determined) return std::numeric_limits<double>::infinity();
+    const auto diagonal = covariance[static_cast<std::size_t>(block)].diagonal();
+    return std::sqrt(diagonal.segment(first, count).maxCoeff());
+  };
+  CalibrationUncertainty uncertainty;
+  for (std::size_t c = 0; c < at.cameras.size(); ++c) {
+    const CameraParameters& camera = at.cameras[c].model.parameters();
+    uncertainty.cameras.push_back({sigma(layout.extrinsics[c], 0, 3),
+                                   sigma(layout.extrinsics[c], 3, 3),
+                                   sigma(layout.focal[c], 0, 2) / camera.fu_px,
+                                   sigma(layout.edge_bias[c], 0, 1)});
+  }
+  for (const int block : layout.size) uncertainty.size_factor.push_back(sigma(block, 0, 1));
+  return uncertainty;
+}
+
+/// Writes what was calibrated into the table.
+void calibrate(const JointProblem& problem, const JointUnknowns& optimum, int threads,
+               ObservationTable& table) {
+  std::size_t camera = 0;
+  std::vector<std::size_t> first_camera;
+  for (Rig& rig : table.rigs) {
+    first_camera.push_back(camera);
+    for (RigCamera& own : rig.cameras) own = optimum.cameras[camera++];
+  }
+  for (std::size_t c = 0; c < camera; ++c) table.edge_bias_px[c] += optimum.edge_bias_px[c];
+  for (std::size_t m = 0; m < table.markers.size(); ++m) {
+    table.sizes_m[m] *=
+        optimum.size_factor[static_cast<std::size_t>(problem.size_class_of(static_cast<int>(m)))];
+  }
+  parallel_for(table.observations.size(), threads, [&](std::size_t index) {
+    TableObservation& o = table.observations[index];
+    const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(o.frame_set)];
+    const double bias_px = optimum.edge_bias_px[first_camera[static_cast<std::size_t>(set.rig)] +
+                                                static_cast<std::size_t>(o.camera)];
+    if (bias_px != 0.0) {
+      const auto outward = outward_of(o.corners_px);
+      for (std::size_t i = 0; i < 4; ++i) o.corners_px[i] -= bias_px * outward[i];
+    }
+    o.size_m = table.sizes_m[static_cast<std::size_t>(o.marker)];
+    o.ippe = solve_ippe(camera_of(table, o).model, o.corners_px, o.size_m);
+  });
+}
+
 }  // namespace
 
-AdjustmentSummary adjust_jointly(const ObservationTable& table,
+AdjustmentSummary adjust_jointly(ObservationTable& table,
                                  std::span<const std::size_t> observations, const HeldPoses& held,
                                  const AdjustmentOptions& options, MapState& state) {
   AdjustmentSummary summary;
   const std::vector<std::size_t> used = participating(table, observations, state);
   summary.observations = used.size();
   if (used.empty()) return summary;
-  JointProblem problem(table, used, state, held, {}, options.loss, options.threads);
+  const AdjustmentScope& scope = options.scope;
+  JointProblem problem(table, used, state, held, scope.free, options.loss, options.threads);
+  const auto factors = factors_of(scope, table, problem);
+  for (const auto& factor : factors) problem.add(*factor);
   const JointUnknowns optimum = minimize(problem, options, summary);
+  if (scope.free.any()) {
+    summary.uncertainty = uncertainty_of(problem, optimum);
+    calibrate(problem, optimum, options.threads, table);
+  }
   for (std::size_t m = 0; m < problem.markers().size(); ++m) {
     state.world_from_marker[static_cast<std::size_t>(problem.markers()[m])] =
         optimum.world_from_marker[m];

@@ -2,9 +2,35 @@
 
 #include <span>
 
+#include "mapbuilder/import/survey.h"
 #include "mapbuilder/mapping/joint_problem.h"
 
 namespace waymark {
+
+/// What an adjustment rests on and moves beside observations and poses.
+struct AdjustmentScope {
+  FreeCalibration free;
+  const Survey* survey = nullptr;  ///< its fit entries are residuals
+  bool world_is_facility = false;  ///< then its points too, and nothing needs to be held
+  /// One standard deviation of a stated size, as a share of it. (1e-4–0.1) Printers scale by up to
+  /// 1 %.
+  double size_sigma = 0.01;
+  /// One standard deviation of a camera's edge bias (px). (0.01–2) Detectors differ by 0.5 px.
+  double edge_bias_sigma_px = 0.5;
+};
+
+/// How sure an adjustment is of what it has calibrated: one standard deviation each; infinite along
+/// a null direction.
+struct CameraUncertainty {
+  double position_m = 0;
+  double rotation_rad = 0;
+  double focal = 0;  ///< as a share of the focal length
+  double edge_bias_px = 0;
+};
+struct CalibrationUncertainty {
+  std::vector<CameraUncertainty> cameras;  ///< of all rigs, one after the other
+  std::vector<double> size_factor;         ///< per size class, by rising stated size
+};
 
 /// Options of the joint adjustment.
 struct AdjustmentOptions {
@@ -16,6 +42,7 @@ struct AdjustmentOptions {
   /// converge in such a direction.
   double initial_damping = 1e-6;
   int threads = 1;  ///< ≥ 1; never changes the result
+  AdjustmentScope scope{};
 };
 
 /// How an adjustment ended.
@@ -25,15 +52,17 @@ struct AdjustmentSummary {
   double initial_cost = 0;  ///< ½ Σ ρ, sigmas²
   double final_cost = 0;
   std::size_t observations = 0;  ///< that took part
+  std::optional<CalibrationUncertainty> uncertainty;  ///< of what was free
 };
 
-/// Equation 11: all placed markers and all localized frame sets together, extrinsics and
-/// intrinsics fixed, by Levenberg–Marquardt over the reduced marker system. Uses the given
-/// observations as far as both their ends are posed, they are accepted and not grossly off, and
-/// their frame set has at least two of them (a single one only fixes its own rig). Updates the
-/// poses of the state that are not held.
-AdjustmentSummary adjust_jointly(const ObservationTable& table,
-                                 std::span<const std::size_t> observations, const HeldPoses& held,
-                                 const AdjustmentOptions& options, MapState& state);
+/// Equation 11: all placed markers and all localized frame sets together, by Levenberg–Marquardt
+/// over the reduced marker system; extrinsics, intrinsics and sizes fixed unless the scope frees
+/// them. Uses the given observations as far as both their ends are posed, they are accepted and not
+/// grossly off, and their frame set has at least two of them (a single one only fixes its own rig).
+/// Updates the poses of the state that are not held and, where the calibration is free, the table's
+/// rigs, sizes, corners and IPPE solutions.
+AdjustmentSummary adjust_jointly(ObservationTable& table, std::span<const std::size_t> observations,
+                                 const HeldPoses& held, const AdjustmentOptions& options,
+                                 MapState& state);
 
 }  // namespace waymark

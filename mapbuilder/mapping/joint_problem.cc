@@ -6,18 +6,12 @@
 #include <limits>
 #include <map>
 
+#include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/estimate/corner_residual.h"
 
 namespace waymark {
-namespace {
 
-/// A fixed number, so that sums have one order whatever the threads; enough to keep a few busy.
-constexpr std::size_t kSlices = 8;
-
-using Jacobian86 = Eigen::Matrix<double, 8, 6>;
-
-/// How each corner moves when all four edges move outward by one pixel.
 std::array<Eigen::Vector2d, 4> outward_of(const ImageCorners& corners) {
   std::array<Eigen::Vector2d, 4> normals;  // of the edge from corner i to i + 1
   const Eigen::Vector2d centre = (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
@@ -33,6 +27,23 @@ std::array<Eigen::Vector2d, 4> outward_of(const ImageCorners& corners) {
     outward[i] = (a + b) / std::max(0.1, 1.0 + a.dot(b));
   }
   return outward;
+}
+
+namespace {
+
+/// A fixed number, so that sums have one order whatever the threads; enough to keep a few busy.
+constexpr std::size_t kSlices = 8;
+
+using Jacobian86 = Eigen::Matrix<double, 8, 6>;
+
+/// A camera stated without distortion may turn out to have some: radtan with zeros is the same.
+CameraModel with_lens(const CameraModel& model) {
+  CameraParameters parameters = model.parameters();
+  if (parameters.distortion != Distortion::none) return model;
+  parameters.distortion = Distortion::radtan;
+  const auto bent = CameraModel::create(parameters);
+  WAYMARK_CHECK(bent);  // zero coefficients bend nothing
+  return *bent;
 }
 
 }  // namespace
@@ -67,10 +78,13 @@ void JointProblem::number_unknowns(const ObservationTable& table,
   };
   std::map<std::pair<bool, int>, int> marker_slot;  // (held, index)
   std::map<double, int> size_class;
-  for (const double size_m : table.sizes_m) size_class.emplace(size_m, 0);
+  for (const double size_m : table.stated_sizes_m) size_class.emplace(size_m, 0);
   for (auto& [size_m, index] : size_class) {
     index = static_cast<int>(start_.size_factor.size());
     start_.size_factor.push_back(1.0);
+  }
+  for (const double size_m : table.stated_sizes_m) {
+    size_class_of_marker_.push_back(size_class.at(size_m));
   }
   for (const std::size_t index : observations) {
     const int marker = table.observations[index].marker;
@@ -87,6 +101,9 @@ void JointProblem::number_unknowns(const ObservationTable& table,
   for (const Rig& rig : table.rigs) {
     camera_offset.push_back(start_.cameras.size());
     start_.cameras.insert(start_.cameras.end(), rig.cameras.begin(), rig.cameras.end());
+  }
+  if (free_.intrinsics) {
+    for (RigCamera& camera : start_.cameras) camera.model = with_lens(camera.model);
   }
   start_.edge_bias_px.assign(start_.cameras.size(), 0.0);
 
@@ -129,7 +146,7 @@ void JointProblem::number_unknowns(const ObservationTable& table,
     slot.observation = &o;
     slot.marker = marker_slot.at({is_held(o.marker), o.marker});
     slot.block = slot.marker < layout_.markers ? slot.marker : -1;
-    slot.size_class = size_class.at(table.sizes_m[static_cast<std::size_t>(o.marker)]);
+    slot.size_class = size_class_of(o.marker);
     slot.camera = static_cast<int>(set.camera_offset) + o.camera;
     if (free_.edge_bias) slot.outward = outward_of(o.corners_px);
     observations_.push_back(slot);
@@ -392,6 +409,13 @@ ReducedSystem JointProblem::reduce(const JointUnknowns& at, double damping) {
     }
   }
   return system;
+}
+
+std::optional<int> JointProblem::free_marker_slot(int marker) const {
+  const auto end = markers_.begin() + layout_.markers;
+  const auto at = std::lower_bound(markers_.begin(), end, marker);
+  if (at == end || *at != marker) return std::nullopt;
+  return static_cast<int>(at - markers_.begin());
 }
 
 JointUnknowns JointProblem::moved(const JointUnknowns& from, const Eigen::VectorXd& kept_step,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,12 +11,16 @@
 
 namespace waymark {
 
+/// How each corner moves when all four edges move outward by one pixel.
+[[nodiscard]] std::array<Eigen::Vector2d, 4> outward_of(const ImageCorners& corners);
+
 /// What may move beside the poses of markers and rigs.
 struct FreeCalibration {
   bool extrinsics = false;  ///< rig_from_cam of every camera but each rig's first
   bool intrinsics = false;  ///< fu fv pu pv and the lens's coefficients of every camera
   bool sizes = false;       ///< one factor per stated size
   bool edge_bias = false;   ///< how far each camera's edges lie outside (px), all alike
+
   [[nodiscard]] bool any() const { return extrinsics || intrinsics || sizes || edge_bias; }
 };
 
@@ -60,6 +65,12 @@ class JointProblem {
   [[nodiscard]] const JointUnknowns& start() const { return start_; }
   /// Table indices of the markers that take part: the free ones by block, then the held ones.
   [[nodiscard]] const std::vector<int>& markers() const { return markers_; }
+  /// Slot (and kept block) of a marker of the table; nullopt when it takes no part or is held.
+  [[nodiscard]] std::optional<int> free_marker_slot(int marker) const;
+  /// Markers of one stated size are one class, by rising size.
+  [[nodiscard]] int size_class_of(int marker) const {
+    return size_class_of_marker_[static_cast<std::size_t>(marker)];
+  }
   [[nodiscard]] const std::vector<int>& frame_sets() const { return frame_set_indices_; }
   [[nodiscard]] const KeptLayout& layout() const { return layout_; }
   [[nodiscard]] const BlockPattern& pattern() const { return pattern_; }
@@ -123,6 +134,7 @@ class JointProblem {
   ObservationLoss loss_;
   int threads_;
   std::vector<int> markers_;            ///< per slot, table index, rising
+  std::vector<int> size_class_of_marker_;  ///< per marker of the table
   std::vector<int> frame_set_indices_;  ///< per slot, table index, rising
   std::vector<FrameSetSlot> sets_;
   std::vector<ObservationSlot> observations_;

@@ -46,6 +46,7 @@ class ComponentBuilder {
       }
     }
     anchor_ = choose_seed(table, component);
+    held_.frame_set = anchor_;
   }
 
   /// Captures, detections, graph → poses of markers and rigs.
@@ -60,10 +61,10 @@ class ComponentBuilder {
           // Sigmas as large as what growth has piled up: then the loss bends for outliers alone,
           // and a few steps lead to the optimum.
           adapt_noise();
-          adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_});
+          adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_, {}});
           adapt_noise();
           if (growth.reconsider(state) > 0)
-            adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_});
+            adjust(growth, {options_.loss, 10, 1e-3, 1e-6, threads_, {}});
         },
         [&](std::size_t placed, std::size_t localized) {
           progress_.update(placed, fmt::format("{} of {} frame sets localized", localized,
@@ -71,18 +72,24 @@ class ComponentBuilder {
         });
     progress_.end();
     settle(growth);
+    calibrate(growth);
   }
 
   [[nodiscard]] const MapState& state() const { return state_; }
   [[nodiscard]] const std::vector<std::size_t>& observations() const { return observations_; }
   [[nodiscard]] double model_sigma_px() const { return noise_.model_sigma_px; }
   [[nodiscard]] bool settled() const { return settled_; }
+  [[nodiscard]] const AdjustmentScope& scope() const { return scope_; }
+  [[nodiscard]] const HeldPoses& held() const { return held_; }
+  [[nodiscard]] const std::optional<CalibrationResult>& calibration() const { return calibration_; }
 
  private:
   /// Adjusts jointly; frame sets with one accepted marker take no part and follow.
   AdjustmentSummary adjust(const Growth& growth, const AdjustmentOptions& options) {
+    AdjustmentOptions scoped = options;
+    scoped.scope = scope_;
     const AdjustmentSummary summary =
-        adjust_jointly(table_, observations_, {anchor_, {}}, options, state_);
+        adjust_jointly(table_, observations_, held_, scoped, state_);
     growth.localize_unadjusted(state_);
     return summary;
   }
@@ -106,7 +113,7 @@ class ComponentBuilder {
         observations.push_back(set.first_observation + i);
       }
     }
-    adjust_jointly(table_, observations, held, {options_.loss, 6, 1e-2, 1e-6, threads_}, state);
+    adjust_jointly(table_, observations, held, {options_.loss, 6, 1e-2, 1e-6, threads_, {}}, state);
   }
 
   /// Re-estimates the model's sigma and the whitening that follows from it; returns its relative
@@ -133,13 +140,99 @@ class ComponentBuilder {
     return std::abs(noise_.model_sigma_px / before - 1.0);
   }
 
+  /// Takes survey and refinement into the adjustment, from the map that stands without them; puts
+  /// everything back when the data can't support what was asked for.
+  void calibrate(const Growth& growth) {
+    const SurveyReach reach = reach_of(options_.survey, table_, state_);
+    FreeCalibration free = options_.refine;
+    // What the survey measures against the stated sizes is the printer's and the camera's doing.
+    free.sizes = free.sizes || reach.scale;
+    free.edge_bias = reach.scale;
+    if (!free.any() && !reach.scale) return;
+    const ObservationTable table_before = table_;
+    const MapState state_before = state_;
+    calibration_.emplace();
+    calibration_->rigs_before = table_.rigs;
+
+    if (reach.frame) move_world(*facility_from_world(options_.survey, table_, state_));
+    scope_.free = free;
+    scope_.survey = reach.scale ? &options_.survey : nullptr;
+    scope_.world_is_facility = reach.frame;
+    held_.frame_set = reach.frame ? -1 : anchor_;
+    const AdjustmentSummary summary =
+        adjust(growth, {options_.loss, 50, 1e-7, 1e-6, threads_, {}});
+    if (summary.uncertainty) {
+      calibration_->uncertainty = *summary.uncertainty;
+      calibration_->refused = unsupported(*summary.uncertainty);
+    }
+    if (!calibration_->refused.empty()) {
+      table_ = table_before;
+      state_ = state_before;
+      scope_ = {};
+      held_.frame_set = anchor_;
+      return;
+    }
+    settle(growth);
+  }
+
+  void move_world(const Rigid3& new_from_old) {
+    for (const int marker : component_.markers) {
+      auto& pose = state_.world_from_marker[static_cast<std::size_t>(marker)];
+      if (pose) pose = new_from_old * *pose;
+    }
+    for (const int frame_set : component_.frame_sets) {
+      auto& rig = state_.rigs[static_cast<std::size_t>(frame_set)];
+      if (!rig) continue;
+      rig->best.pose = new_from_old * rig->best.pose;
+      if (rig->runner_up) rig->runner_up->pose = new_from_old * rig->runner_up->pose;
+    }
+  }
+
+  /// Why a calibration can't be trusted, a line each.
+  [[nodiscard]] std::vector<std::string> unsupported(const CalibrationUncertainty& sure) const {
+    const RefinementLimits& limits = options_.refinement_limits;
+    std::vector<std::string> reasons;
+    std::size_t index = 0;
+    for (const Rig& rig : table_.rigs) {
+      if (options_.refine.extrinsics && rig.cameras.size() < 2) {
+        reasons.push_back("extrinsics: a rig of one camera has none");
+      }
+      for (const RigCamera& camera : rig.cameras) {
+        const CameraUncertainty& own = sure.cameras[index++];
+        const auto judge = [&](const char* what, double sigma, double limit, double scale,
+                               const char* unit) {
+          if (!(sigma > limit)) return;
+          reasons.push_back(fmt::format("{}: {} known to ± {:.3g} {} only, {:.3g} {} is asked for",
+                                        camera.name, what, sigma * scale, unit, limit * scale,
+                                        unit));
+        };
+        judge("position", own.position_m, limits.position_m, 1e3, "mm");
+        judge("orientation", own.rotation_rad, limits.rotation_rad, 57.29578, "°");
+        judge("focal length", own.focal, limits.focal, 100, "%");
+      }
+    }
+    if (options_.refine.sizes) {
+      for (const double sigma : sure.size_factor) {
+        if (sigma > limits.size) {
+          reasons.push_back(
+              fmt::format("sizes: known to ± {:.2g} % only, {:.2g} % is asked for: nothing but the "
+                          "stated sizes tells the scale; measure a distance (survey.toml)",
+                          100 * sigma, 100 * limits.size));
+          break;
+        }
+      }
+    }
+    return reasons;
+  }
+
   /// Adjusts, reconsiders flips and gates until nothing changes any more.
   void settle(const Growth& growth) {
     constexpr double kNoiseSettled = 0.02;
+    settled_ = false;
     progress_.begin("adjusting jointly", static_cast<std::size_t>(options_.max_passes));
     adapt_noise();
     for (int pass = 0; pass < options_.max_passes; ++pass) {
-      adjust(growth, {options_.loss, 30, 1e-4, 1e-8, threads_});
+      adjust(growth, {options_.loss, 30, 1e-4, 1e-8, threads_, {}});
       const double noise_change = adapt_noise();
       const std::size_t reconsidered = growth.reconsider(state_);
       const std::size_t gated = update_gate(table_, observations_, options_.gate, state_);
@@ -150,7 +243,7 @@ class ComponentBuilder {
     // The last adjustment is one of exactly the observations that the last gate accepts.
     constexpr int kMostPolishes = 5;
     for (int polish = 0; polish < kMostPolishes && !settled_; ++polish) {
-      const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14, threads_});
+      const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14, threads_, {}});
       const bool converged = summary.converged || summary.observations == 0;
       settled_ = converged && update_gate(table_, observations_, options_.gate, state_) == 0;
     }
@@ -166,6 +259,9 @@ class ComponentBuilder {
   MapState state_;
   std::vector<std::size_t> observations_;
   int anchor_ = -1;
+  HeldPoses held_;
+  AdjustmentScope scope_;
+  std::optional<CalibrationResult> calibration_;
   bool settled_ = false;
 };
 
@@ -187,6 +283,7 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
   BuiltSubMap result;
   result.model_sigma_px = built.model_sigma_px();
   result.settled = built.settled();
+  result.calibration = built.calibration();
 
   const std::set<int> part_sets(part.frame_sets.begin(), part.frame_sets.end());
   std::vector<std::size_t> observations;
@@ -232,7 +329,13 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
 
   // The seed's rig frame is the world (paper §III-F.1), of each rigid part its own.
   const auto seed = static_cast<std::size_t>(choose_seed(table, part));
-  const Rigid3 world_from_built = state.rigs[seed]->best.pose.inverse();
+  const AdjustmentScope& scope = built.scope();
+  const Rigid3 world_from_built =
+      scope.world_is_facility ? Rigid3{} : state.rigs[seed]->best.pose.inverse();
+  if (scope.survey != nullptr) {
+    result.map.frame = scope.world_is_facility ? FrameKind::facility : FrameKind::scaled;
+  }
+  result.survey = survey_residuals(options.survey, table, state, scope.world_is_facility);
   for (const int frame_set : part.frame_sets) {
     const RigPoseEstimate& rig = *state.rigs[static_cast<std::size_t>(frame_set)];
     if (rig.ambiguous) {
@@ -252,7 +355,8 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
     const auto m = static_cast<std::size_t>(index);
     MapMarker marker;
     marker.id = table.markers[m];
-    marker.stated_size_m = marker.size_m = table.sizes_m[m];
+    marker.stated_size_m = table.stated_sizes_m[m];
+    marker.size_m = table.sizes_m[m];
     marker.world_from_marker = world_from_built * *state.world_from_marker[m];
     marker.observations = accepted[m];
     marker.rejected = rejected[m];

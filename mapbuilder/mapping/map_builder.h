@@ -10,8 +10,24 @@
 #include "mapbuilder/mapping/joint_adjustment.h"
 #include "mapbuilder/mapping/noise_model.h"
 #include "mapbuilder/mapping/outlier_gate.h"
+#include "mapbuilder/mapping/survey_factors.h"
 
 namespace waymark {
+
+/// A refinement less sure than this is refused (one standard deviation).
+struct RefinementLimits {
+  double position_m = 0.002;       ///< (1e-5–1)
+  double rotation_rad = 0.001745;  ///< (1e-5–0.1) 0.1°
+  double focal = 0.003;            ///< (1e-5–0.1) as a share of the focal length
+  double size = 0.003;             ///< (1e-5–0.1) as a share of the stated size
+};
+
+/// How a calibration that was free ended.
+struct CalibrationResult {
+  std::vector<std::string> refused;  ///< reasons; empty: the refinement stands
+  CalibrationUncertainty uncertainty;
+  std::vector<Rig> rigs_before;  ///< of the table
+};
 
 /// Options of a build. Defaults are what `mapbuilder build` uses.
 struct BuildOptions {
@@ -19,6 +35,9 @@ struct BuildOptions {
   ObservationLoss loss;  ///< of Algorithms 1 and 2
   GateOptions gate;
   GrowthOptions growth;
+  Survey survey;          ///< measured on site; may be empty
+  FreeCalibration refine;  ///< extrinsics, intrinsics, sizes: what the user asks for
+  RefinementLimits refinement_limits;
   int max_passes = 8;  ///< (1–50) of adjust, reconsider, gate
   int threads = 0;     ///< 0 = all processors; never changes the result
 };
@@ -47,6 +66,8 @@ struct BuiltSubMap {
   double model_sigma_px = 0;       ///< estimated, per axis
   std::size_t observations = 0;    ///< of mapped markers in localized frame sets
   std::size_t rejected = 0;        ///< of these, by the gate
+  std::optional<CalibrationResult> calibration;  ///< when something was free
+  std::vector<SurveyResidual> survey;
   bool settled = false;            ///< converged, with gate, flips and noise at rest
   bool covariances_known = false;  ///< false: the map's covariances are zero and mean nothing
 };

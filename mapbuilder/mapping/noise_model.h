@@ -21,11 +21,11 @@ enum class Weighting {
 struct NoiseModel {
   Weighting weighting = Weighting::covariance;
   ObservationWeightOptions paper;
-  double model_sigma_px = 1.0;  ///< (0.02–20)
+  double model_sigma_px = 1.0;  ///< (0.002–20)
 };
 
-/// Bounds of the estimate. Below 0.02 px nothing real is; above 20 px nothing fits.
-inline constexpr double kSmallestModelSigma = 0.02;
+/// Bounds of the estimate. Below 0.002 px nothing real is (rendered corners are 0.009 px sure); above 20 px nothing fits.
+inline constexpr double kSmallestModelSigma = 0.002;
 inline constexpr double kLargestModelSigma = 20.0;
 
 /// Writes every observation's whitening.

@@ -242,6 +242,7 @@ Expected<ObservationTable> make_observation_table(std::vector<DetectedCapture> c
   for (const auto& [marker, size] : *sizes) {
     maker.marker_index.emplace(marker, static_cast<int>(maker.table.markers.size()));
     maker.table.markers.push_back(marker);
+    maker.table.stated_sizes_m.push_back(size);
     maker.table.sizes_m.push_back(size);
   }
   for (const auto& [hash, index] : order) {
@@ -255,6 +256,9 @@ Expected<ObservationTable> make_observation_table(std::vector<DetectedCapture> c
     maker.add(captures[index], static_cast<int>(maker.table.capture_names.size()) - 1);
   }
   ObservationTable table = std::move(maker.table);
+  for (const Rig& rig : table.rigs) {
+    table.edge_bias_px.resize(table.edge_bias_px.size() + rig.cameras.size(), 0.0);
+  }
   solve_all_ippe(table, effective_threads(options.threads));
   table.observations_of_marker.resize(table.markers.size());
   for (std::size_t i = 0; i < table.observations.size(); ++i) {

@@ -52,7 +52,9 @@ struct ObservationTable {
   std::vector<std::string> capture_fingerprints;
   std::string rig_fingerprint;    ///< of all different rigs together
   std::vector<MarkerId> markers;  ///< rising
-  std::vector<double> sizes_m;    ///< stated, per marker
+  std::vector<double> stated_sizes_m;  ///< per marker
+  std::vector<double> sizes_m;         ///< per marker: effective, what the observations use
+  std::vector<double> edge_bias_px;    ///< per camera of all rigs: what corners were moved in by
   std::vector<TableFrameSet> frame_sets;
   std::vector<TableObservation> observations;
   std::vector<std::vector<std::size_t>> observations_of_marker;  ///< per marker, rising
