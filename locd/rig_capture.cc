@@ -17,9 +17,15 @@ constexpr Stamp kAlive = std::chrono::seconds(1);
 }  // namespace
 
 RigCapture::RigCapture(std::vector<std::unique_ptr<FrameSource>> sources,
-                       const SyncOptions& options)
+                       const SyncOptions& options, const std::vector<Stamp>& stamp_delays)
     : cameras_(sources.size()), synchronizer_(sources.size(), options) {
-  for (std::size_t c = 0; c < sources.size(); ++c) cameras_[c].source = std::move(sources[c]);
+  WAYMARK_CHECK(stamp_delays.empty() || stamp_delays.size() == sources.size());
+  for (std::size_t c = 0; c < sources.size(); ++c) {
+    cameras_[c].source = std::move(sources[c]);
+    StampGuardOptions guard;
+    if (!stamp_delays.empty()) guard.delay = stamp_delays[c];
+    cameras_[c].stamps = StampGuard(guard);
+  }
 }
 
 RigCapture::~RigCapture() { stop(); }
@@ -90,8 +96,15 @@ bool RigCapture::pause(Stamp duration) {
 void RigCapture::deliver(std::size_t camera, Frame frame) {
   const std::lock_guard lock(mutex_);
   const Stamp now = monotonic_now();
-  cameras_[camera].state.last_frame = now;
-  ++cameras_[camera].state.frames;
+  CameraState& state = cameras_[camera].state;
+  state.last_frame = now;
+  ++state.frames;
+  const bool admitted = cameras_[camera].stamps.admit(frame, now);
+  state.unsynced = cameras_[camera].stamps.unsynced();
+  if (!admitted) {
+    ++state.dropped[static_cast<std::size_t>(DropReason::bad_stamp)];
+    return;
+  }
   synchronizer_.push(camera, std::move(frame), now);
   gather(now);
 }

@@ -9,6 +9,7 @@
 
 #include "drivers/frame_source.h"
 #include "locd/frame_synchronizer.h"
+#include "locd/stamp_guard.h"
 
 namespace waymark {
 
@@ -16,8 +17,9 @@ namespace waymark {
 /// that fails is started again, after a pause that grows to 5 s.
 class RigCapture {
  public:
-  /// One source per camera, by the rig's order.
-  RigCapture(std::vector<std::unique_ptr<FrameSource>> sources, const SyncOptions& options);
+  /// One source per camera, by the rig's order; `stamp_delays` likewise, or none.
+  RigCapture(std::vector<std::unique_ptr<FrameSource>> sources, const SyncOptions& options,
+             const std::vector<Stamp>& stamp_delays = {});
   ~RigCapture();
   RigCapture(const RigCapture&) = delete;
   RigCapture& operator=(const RigCapture&) = delete;
@@ -42,6 +44,7 @@ class RigCapture {
     std::uint64_t frames = 0;
     std::uint64_t damaged = 0;
     std::uint64_t starts = 0;
+    bool unsynced = false;  ///< its stamps can't be believed; arrival times are used
     DropCounts dropped{};
     std::string error;  ///< of the last start or frame that failed; empty: none
   };
@@ -52,6 +55,7 @@ class RigCapture {
   struct Camera {
     std::unique_ptr<FrameSource> source;
     CameraState state;
+    StampGuard stamps;
     bool ended = false;
     std::thread thread;
   };

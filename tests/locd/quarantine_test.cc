@@ -1,0 +1,58 @@
+#include "locd/quarantine.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+TEST(Quarantine, ReadsBackWhatWasWritten) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "quarantine.json";
+  Quarantine quarantine{"0123456789abcdef",
+                        {{{Family::tag36h11, 7}, QuarantineState::unknown, 5, 0},
+                         {{Family::aruco_4x4_50, 3}, QuarantineState::moved, 1234567, 0.25}}};
+  ASSERT_TRUE(write_quarantine(path, quarantine));
+  const auto read = read_quarantine(path);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->map_hash, quarantine.map_hash);
+  ASSERT_EQ(read->markers.size(), 2U);
+  EXPECT_EQ(read->markers[0].marker, (MarkerId{Family::aruco_4x4_50, 3}));
+  EXPECT_EQ(read->markers[0].state, QuarantineState::moved);
+  EXPECT_EQ(read->markers[0].since_utime, 1234567);
+  EXPECT_EQ(read->markers[0].offset_m, 0.25);
+  EXPECT_EQ(read->markers[1].state, QuarantineState::unknown);
+}
+
+TEST(Quarantine, HasTheFormOfTheFormat) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "q.json";
+  ASSERT_TRUE(write_quarantine(
+      path, {"00000000000000ff", {{{Family::tag36h11, 12}, QuarantineState::moved, 1, 0.5}}}));
+  EXPECT_EQ(folder.read("q.json"),
+            "{\n \"map_hash\": \"00000000000000ff\",\n \"markers\": [\n  {\n   \"id\": 12,\n   "
+            "\"family\": \"tag36h11\",\n   \"state\": \"MOVED\",\n   \"since_utime\": 1,\n   "
+            "\"offset_m\": 0.5\n  }\n ]\n}\n");
+}
+
+TEST(Quarantine, RefusesWhatIsNone) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_quarantine(folder.path() / "absent").error().kind, ErrorKind::no_input);
+  for (
+      const char* text :
+      {"", "{", "[]", "{\"map_hash\": 5, \"markers\": []}", "{\"map_hash\": \"a\"}",
+       R"({"map_hash":"a","markers":[{"id":1,"family":"none","state":"MOVED","since_utime":0,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":999999,"family":"tag36h11","state":"MOVED","since_utime":0,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":1,"family":"tag36h11","state":"GONE","since_utime":0,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":1,"family":"tag36h11","state":"MOVED","since_utime":0,"offset_m":-1}]})"}) {
+    const auto path = folder.write("bad.json", text);
+    const auto read = read_quarantine(path);
+    ASSERT_FALSE(read) << text;
+    EXPECT_EQ(read.error().kind, ErrorKind::bad_data) << text;
+    EXPECT_NE(read.error().message.find("bad.json"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace waymark
