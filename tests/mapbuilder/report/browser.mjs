@@ -5,7 +5,8 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 
-const PATIENCE_MS = 60_000;
+// Drawn by the processor alone, beside other work: a frame may take long.
+const PATIENCE_MS = 240_000;
 
 export class Browser {
   #next = 0;
@@ -18,6 +19,9 @@ export class Browser {
       "--headless=new", "--remote-debugging-pipe", `--user-data-dir=${profile}`, "--no-sandbox",
       "--no-first-run", "--no-default-browser-check", "--disable-background-networking",
       "--disable-component-update", "--disable-extensions", "--disable-sync", "--hide-scrollbars",
+      // A loaded machine is no hung graphics driver, and a page behind another one still draws.
+      "--disable-gpu-watchdog", "--disable-backgrounding-occluded-windows", "--disable-renderer-backgrounding",
+      "--disable-background-timer-throttling",
       "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--font-render-hinting=none",
       "about:blank",
     ], { stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"], env: { ...globalThis.process.env, HOME: profile } });
@@ -62,7 +66,7 @@ export class Browser {
   async open(url, { width, height, scale = 1, touch = false, dark = false }) {
     const { targetId } = await this.send("Target.createTarget", { url: "about:blank" });
     const { sessionId } = await this.send("Target.attachToTarget", { targetId, flatten: true });
-    const page = new Page(this, sessionId);
+    const page = new Page(this, sessionId, targetId);
     for (const domain of ["Page", "Runtime", "Network", "Log"]) await page.send(`${domain}.enable`);
     await page.send("Emulation.setDeviceMetricsOverride", { width, height, deviceScaleFactor: scale, mobile: touch });
     await page.send("Emulation.setTouchEmulationEnabled", { enabled: touch });
@@ -97,8 +101,8 @@ export class Page {
   problems = [];
   requests = [];
 
-  constructor(browser, sessionId) {
-    Object.assign(this, { browser, sessionId });
+  constructor(browser, sessionId, targetId) {
+    Object.assign(this, { browser, sessionId, targetId });
     browser.on((message) => {
       if (message.sessionId !== sessionId) return;
       const { method, params } = message;
@@ -121,6 +125,10 @@ export class Page {
         if (message.sessionId === this.sessionId && message.method === method) resolve(message.params);
       });
     });
+  }
+
+  close() {
+    return this.browser.send("Target.closeTarget", { targetId: this.targetId });
   }
 
   /** The value of a JavaScript expression in the page. */

@@ -68,6 +68,7 @@ for (const [name, screen] of Object.entries(SCREENS)) {
   describe(name, () => {
     let page;
     before(async () => { page = await browser.open(url, screen); });
+    after(async () => { await page?.close(); });
 
     test("nothing but the file itself is asked for", () => {
       assert.deepEqual(page.requests.filter((request) => !request.startsWith("data:")), [url]);

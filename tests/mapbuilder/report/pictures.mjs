@@ -33,6 +33,7 @@ try {
     await page.painted();
     const { data } = await page.send("Page.captureScreenshot", { format: "jpeg", quality: 82 });
     writeFileSync(join(output, `${name}.jpg`), Buffer.from(data, "base64"));
+    await page.close();
     if (page.problems.length) throw new Error(page.problems.join("\n"));
   }
 } finally {

@@ -114,6 +114,7 @@ export class SceneView {
     palette.onChange(() => this.#build());
     canvas.addEventListener("focus", () => { this.controls.enableZoom = true; });
     canvas.addEventListener("blur", () => { this.controls.enableZoom = false; });
+    canvas.addEventListener("webglcontextrestored", () => this.redraw());
     let from = null;
     canvas.addEventListener("pointerdown", (event) => {
       canvas.focus({ preventScroll: true });
