@@ -8,6 +8,7 @@
 #include "core/camera/kalibr.h"
 #include "core/map/map_file.h"
 #include "mapbuilder/diagnosis/build_findings.h"
+#include "mapbuilder/diagnosis/calibration_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
@@ -123,7 +124,8 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 options.input.paths.front().string(), table->frame_sets.size(),
                 table->observations.size());
   }
-  const std::vector<Finding> findings = build_findings(result, *table);
+  std::vector<Finding> findings = calibration_findings(result, *table, build);
+  for (Finding& finding : build_findings(result, *table)) findings.push_back(std::move(finding));
   for (const Finding& finding : findings) {
     fmt::print(notes, "{}\n", one_line(finding, table->several_families()));
   }

@@ -90,6 +90,7 @@ class ComponentBuilder {
     scoped.scope = scope_;
     const AdjustmentSummary summary =
         adjust_jointly(table_, observations_, held_, scoped, state_);
+    if (summary.uncertainty) uncertainty_ = *summary.uncertainty;
     growth.localize_unadjusted(state_);
     return summary;
   }
@@ -151,6 +152,7 @@ class ComponentBuilder {
     if (!free.any() && !reach.scale) return;
     const ObservationTable table_before = table_;
     const MapState state_before = state_;
+    const bool settled_before = settled_;
     calibration_.emplace();
     calibration_->rigs_before = table_.rigs;
 
@@ -159,20 +161,19 @@ class ComponentBuilder {
     scope_.survey = reach.scale ? &options_.survey : nullptr;
     scope_.world_is_facility = reach.frame;
     held_.frame_set = reach.frame ? -1 : anchor_;
-    const AdjustmentSummary summary =
-        adjust(growth, {options_.loss, 50, 1e-7, 1e-6, threads_, {}});
-    if (summary.uncertainty) {
-      calibration_->uncertainty = *summary.uncertainty;
-      calibration_->refused = unsupported(*summary.uncertainty);
-    }
-    if (!calibration_->refused.empty()) {
-      table_ = table_before;
-      state_ = state_before;
-      scope_ = {};
-      held_.frame_set = anchor_;
-      return;
-    }
+    const NoiseModel noise_before = noise_;
+    adjust(growth, {options_.loss, 50, 1e-7, 1e-6, threads_, {}});
+    // Judged once settled: a misfit rig passes for noise until it is refined.
     settle(growth);
+    calibration_->uncertainty = uncertainty_;
+    calibration_->refused = unsupported(uncertainty_);
+    if (calibration_->refused.empty()) return;
+    table_ = table_before;
+    state_ = state_before;
+    noise_ = noise_before;
+    scope_ = {};
+    held_.frame_set = anchor_;
+    settled_ = settled_before;
   }
 
   void move_world(const Rigid3& new_from_old) {
@@ -261,6 +262,7 @@ class ComponentBuilder {
   int anchor_ = -1;
   HeldPoses held_;
   AdjustmentScope scope_;
+  CalibrationUncertainty uncertainty_;  ///< of the last adjustment that freed a calibration
   std::optional<CalibrationResult> calibration_;
   bool settled_ = false;
 };
