@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 
 #include "simulator/rig_library.h"
@@ -53,6 +54,9 @@ std::string with(const std::string& from, const std::string& to) {
 struct Flaw {
   std::string name, from, to, message;
 };
+
+/// What GoogleTest shows as the parameter.
+void PrintTo(const Flaw& flaw, std::ostream* out) { *out << flaw.name; }
 
 class BadScene : public testing::TestWithParam<Flaw> {};
 

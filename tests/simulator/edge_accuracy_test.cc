@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <ostream>
 
 #include "core/camera/camera_model.h"
 #include "core/marker/marker_geometry.h"
@@ -93,6 +94,11 @@ double edge_offset_px(const IrradianceImage& image, const CameraModel& camera,
 struct View {
   double distance_m, tilt_deg, roll_deg, psf_sigma_px;
 };
+
+/// What GoogleTest shows as the parameter.
+void PrintTo(const View& view, std::ostream* out) {
+  *out << view.distance_m << " m, " << view.tilt_deg << " deg, " << view.psf_sigma_px << " px";
+}
 
 class EdgeAccuracy : public testing::TestWithParam<View> {};
 

@@ -10,6 +10,7 @@
 #include "core/capture/image_file.h"
 #include "core/geometry/tum.h"
 #include "simulator/scene_library.h"
+#include "tests/simulator/full_disk.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark::simulator {
@@ -98,6 +99,20 @@ TEST_F(RenderCapture, InterruptionAndExistingOutputLeaveEverythingAsItWas) {
   ASSERT_FALSE(result.has_value());
   EXPECT_EQ(result.error().kind, ErrorKind::cant_create);
   EXPECT_EQ(*read_file(temporary_.path() / "full" / "mine.txt"), "mine");
+}
+
+TEST_F(RenderCapture, AFullDiskLeavesNothingBehind) {
+  const auto rig = load_rig("cg180");
+  Expected<RenderResult> result = tl::make_unexpected(Error{ErrorKind::internal, ""});
+  {
+    const FullDisk full(20'000);  // enough for the description, not for an image
+    result = render_capture(*scene_, *rig, quick_job(), temporary_.path() / "x", stop_);
+  }
+  ASSERT_FALSE(result.has_value());
+  EXPECT_EQ(result.error().kind, ErrorKind::io) << result.error().message;
+  EXPECT_NE(result.error().message.find(".jpg"), std::string::npos) << result.error().message;
+  EXPECT_EQ(result.error().message.find('\n'), std::string::npos);
+  EXPECT_TRUE(fs::is_empty(temporary_.path()));
 }
 
 TEST_F(RenderCapture, FamiliesWithoutPrintsAreRefused) {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <map>
+#include <ostream>
 #include <string>
 
 #include "simulator/covisibility.h"
@@ -21,6 +22,9 @@ struct TableOne {
   int positions;
   Eigen::Vector3d size_m;
 };
+
+/// What GoogleTest shows as the parameter.
+void PrintTo(const TableOne& row, std::ostream* out) { *out << row.scene; }
 
 class EveryScene : public testing::TestWithParam<TableOne> {};
 
