@@ -21,6 +21,17 @@ Finding refusal(const BuiltSubMap& submap) {
   return finding;
 }
 
+Finding partial_refusal(const BuiltSubMap& submap) {
+  Finding finding;
+  finding.kind = FindingKind::refinement_refused;
+  finding.title = "A part of the refinement was refused and stays as stated";
+  finding.evidence = fmt::format("{}.", fmt::join(submap.calibration->held, "; "));
+  finding.remedy =
+      "Record more views that several cameras share, from many sides and distances, with turns about "
+      "all axes.";
+  return finding;
+}
+
 /// How far a survey entry may be off its stated sigma before it is named.
 constexpr double kSurveySigmas = 5.0;
 
@@ -143,6 +154,7 @@ std::vector<Finding> calibration_findings(const BuildResult& result, const Obser
       if (!submap.calibration->refused.empty()) {
         findings.push_back(refusal(submap));
       } else {
+        if (!submap.calibration->held.empty()) findings.push_back(partial_refusal(submap));
         name_misfits(*submap.calibration, table.rigs, findings);
       }
     }

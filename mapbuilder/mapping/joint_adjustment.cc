@@ -11,6 +11,7 @@
 #include "core/estimate/corner_residual.h"
 #include "core/estimate/ippe.h"
 #include "mapbuilder/mapping/block_cholesky.h"
+#include "mapbuilder/mapping/direction_hold.h"
 #include "mapbuilder/mapping/survey_factors.h"
 
 namespace waymark {
@@ -132,12 +133,34 @@ std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope
                                    scope.size_sigma));
     }
   }
+  for (const HeldDirection& direction : scope.held_directions) {
+    factors.push_back(direction_hold(problem, scope.stated_cameras, direction.extrinsics,
+                                     direction.focal));
+  }
   if (scope.free.edge_bias) {
     for (std::size_t c = 0; c < problem.start().cameras.size(); ++c) {
       factors.push_back(edge_bias_prior(problem, c, table.edge_bias_px[c], scope.edge_bias_sigma_px));
     }
   }
   return factors;
+}
+
+/// See CalibrationUncertainty::joint; zero rows where nothing is free.
+Eigen::MatrixXd joint_covariance(const KeptLayout& layout, const BlockCholesky& cholesky) {
+  std::vector<int> kept_row;  // −1: not free
+  for (const int block : layout.extrinsics) {
+    for (int r = 0; r < 6; ++r) kept_row.push_back(block < 0 ? -1 : 6 * block + r);
+  }
+  for (const int block : layout.focal) {
+    for (int r = 0; r < 2; ++r) kept_row.push_back(block < 0 ? -1 : 6 * block + r);
+  }
+  const auto count = static_cast<Eigen::Index>(kept_row.size());
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * layout.blocks, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const int row = kept_row[static_cast<std::size_t>(i)];
+    if (row >= 0) unit(row, i) = 1.0;
+  }
+  return unit.transpose() * cholesky.solve(unit);
 }
 
 CalibrationUncertainty uncertainty_of(JointProblem& problem, const JointUnknowns& at) {
@@ -161,6 +184,7 @@ CalibrationUncertainty uncertainty_of(JointProblem& problem, const JointUnknowns
                                    sigma(layout.edge_bias[c], 0, 1)});
   }
   for (const int block : layout.size) uncertainty.size_factor.push_back(sigma(block, 0, 1));
+  if (determined) uncertainty.joint = joint_covariance(layout, cholesky);
   return uncertainty;
 }
 

@@ -7,6 +7,14 @@
 
 namespace waymark {
 
+/// A direction of the extrinsics and focal lengths that the data can't tell: held where the rig file
+/// has it. `weights` has 6 entries per camera for the extrinsics' tangent, then 2 per camera for
+/// fu fv (1/px); zero where nothing is free.
+struct HeldDirection {
+  std::vector<Vector6d> extrinsics;
+  std::vector<Eigen::Vector2d> focal;
+};
+
 /// What an adjustment rests on and moves beside observations and poses.
 struct AdjustmentScope {
   FreeCalibration free;
@@ -17,10 +25,12 @@ struct AdjustmentScope {
   double size_sigma = 0.01;
   /// One standard deviation of a camera's edge bias (px). (0.01–2) Detectors differ by 0.5 px.
   double edge_bias_sigma_px = 0.5;
+  std::vector<HeldDirection> held_directions;
+  std::vector<RigCamera> stated_cameras;  ///< of all rigs: where held directions are held
 };
 
-/// How sure an adjustment is of what it has calibrated: one standard deviation each; infinite along
-/// a null direction.
+/// How sure an adjustment is of what it has calibrated: one standard deviation each; infinite where
+/// nothing is determined.
 struct CameraUncertainty {
   double position_m = 0;
   double rotation_rad = 0;
@@ -30,6 +40,9 @@ struct CameraUncertainty {
 struct CalibrationUncertainty {
   std::vector<CameraUncertainty> cameras;  ///< of all rigs, one after the other
   std::vector<double> size_factor;         ///< per size class, by rising stated size
+  /// Joint covariance of what a limit is set to: per camera six of the extrinsics, then per camera
+  /// fu fv (px). Empty when nothing is determined.
+  Eigen::MatrixXd joint;
 };
 
 /// Options of the joint adjustment.

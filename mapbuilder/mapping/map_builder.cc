@@ -1,5 +1,6 @@
 #include "mapbuilder/mapping/map_builder.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -160,11 +161,16 @@ class ComponentBuilder {
     scope_.free = free;
     scope_.survey = reach.scale ? &options_.survey : nullptr;
     scope_.world_is_facility = reach.frame;
+    for (const Rig& rig : table_.rigs) {
+      scope_.stated_cameras.insert(scope_.stated_cameras.end(), rig.cameras.begin(),
+                                   rig.cameras.end());
+    }
     held_.frame_set = reach.frame ? -1 : anchor_;
     const NoiseModel noise_before = noise_;
     adjust(growth, {options_.loss, 50, 1e-7, 1e-6, threads_, {}});
     // Judged once settled: a misfit rig passes for noise until it is refined.
     settle(growth);
+    if (hold_what_is_unsure()) settle(growth);
     calibration_->uncertainty = uncertainty_;
     calibration_->refused = unsupported(uncertainty_);
     if (calibration_->refused.empty()) return;
@@ -187,6 +193,57 @@ class ComponentBuilder {
       rig->best.pose = new_from_old * rig->best.pose;
       if (rig->runner_up) rig->runner_up->pose = new_from_old * rig->runner_up->pose;
     }
+  }
+
+  /// Finds the directions of extrinsics and focal lengths that are less sure than the limits and
+  /// holds them from now on. False when there are none.
+  bool hold_what_is_unsure() {
+    const Eigen::MatrixXd& joint = uncertainty_.joint;
+    const std::size_t cameras = scope_.stated_cameras.size();
+    if (joint.size() == 0) return false;
+    // In units of the limits: an eigenvalue above 1 is a direction that can't be supported.
+    const RefinementLimits& limits = options_.refinement_limits;
+    Eigen::VectorXd per_limit(joint.rows());
+    for (std::size_t c = 0; c < cameras; ++c) {
+      const auto row = static_cast<Eigen::Index>(6 * c);
+      per_limit.segment<3>(row).setConstant(1.0 / limits.position_m);
+      per_limit.segment<3>(row + 3).setConstant(1.0 / limits.rotation_rad);
+      per_limit.segment<2>(static_cast<Eigen::Index>(6 * cameras + 2 * c))
+          .setConstant(1.0 / (limits.focal * scope_.stated_cameras[c].model.parameters().fu_px));
+    }
+    const Eigen::MatrixXd scaled = per_limit.asDiagonal() * joint * per_limit.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+    for (Eigen::Index i = 0; i < scaled.rows(); ++i) {
+      if (eigen.eigenvalues()[i] <= 1.0) continue;
+      const Eigen::VectorXd weights = per_limit.cwiseProduct(eigen.eigenvectors().col(i));
+      HeldDirection direction;
+      Eigen::Index most = 0;
+      for (std::size_t c = 0; c < cameras; ++c) {
+        direction.extrinsics.emplace_back(weights.segment<6>(static_cast<Eigen::Index>(6 * c)));
+        direction.focal.emplace_back(
+            weights.segment<2>(static_cast<Eigen::Index>(6 * cameras + 2 * c)));
+      }
+      eigen.eigenvectors().col(i).cwiseAbs().maxCoeff(&most);
+      scope_.held_directions.push_back(direction);
+      calibration_->held.push_back(held_direction_text(most, std::sqrt(eigen.eigenvalues()[i])));
+    }
+    return !scope_.held_directions.empty();
+  }
+
+  /// "cam2's position: known to ± 4.2 mm only, 2 mm is asked for", of the direction's largest part.
+  [[nodiscard]] std::string held_direction_text(Eigen::Index row, double limits) const {
+    const RefinementLimits& limit = options_.refinement_limits;
+    const auto cameras = static_cast<Eigen::Index>(scope_.stated_cameras.size());
+    const bool focal = row >= 6 * cameras;
+    const Eigen::Index camera = focal ? (row - 6 * cameras) / 2 : row / 6;
+    const auto text = [&](const char* what, double allowed, const char* unit) {
+      return fmt::format("{}'s {} with what moves along: known to ± {:.2g} {} only, {:.2g} is asked for",
+                         scope_.stated_cameras[static_cast<std::size_t>(camera)].name, what,
+                         limits * allowed, unit, allowed);
+    };
+    if (focal) return text("focal length", 100 * limit.focal, "%");
+    if (row % 6 < 3) return text("position", 1e3 * limit.position_m, "mm");
+    return text("orientation", 57.29578 * limit.rotation_rad, "°");
   }
 
   /// Why a calibration can't be trusted, a line each.

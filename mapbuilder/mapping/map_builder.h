@@ -25,6 +25,8 @@ struct RefinementLimits {
 /// How a calibration that was free ended.
 struct CalibrationResult {
   std::vector<std::string> refused;  ///< reasons; empty: the refinement stands
+  /// Directions that the data can't tell, held where the rig file has them; the rest is refined.
+  std::vector<std::string> held;
   CalibrationUncertainty uncertainty;
   std::vector<Rig> rigs_before;  ///< of the table
 };
