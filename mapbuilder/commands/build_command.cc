@@ -34,8 +34,8 @@ void print_survey(const BuildResult& result, std::ostream& out) {
     for (const SurveyResidual& entry : result.submaps[i].survey) {
       if (!entry.mapped) continue;
       fmt::print(out, "sub-map {}: survey {}: {}: off by {:+.2f} mm ({:.1f} sigma)\n", i,
-                 entry.use == SurveyUse::fit ? "fit" : "check", entry.entry,
-                 entry.residual_m * 1e3, entry.residual_m / entry.sigma_m);
+                 entry.use == SurveyUse::fit ? "fit" : "check", entry.entry, entry.residual_m * 1e3,
+                 entry.residual_m / entry.sigma_m);
     }
   }
 }
@@ -49,13 +49,13 @@ std::optional<Family> only_family_of(const ObservationTable& table) {
 /// The refined rigs as camchains: MAP's name with .yaml, numbered from the second on.
 Status write_refined_rigs(const BuildCommandOptions& options, const ObservationTable& table,
                           std::ostream& out) {
-  const std::filesystem::path first =
-      options.refined_rig.value_or(std::filesystem::path(options.output).replace_extension(".yaml"));
+  const std::filesystem::path first = options.refined_rig.value_or(
+      std::filesystem::path(options.output).replace_extension(".yaml"));
   for (std::size_t i = 0; i < table.rigs.size(); ++i) {
     std::filesystem::path path = first;
     if (i > 0) {
-      path.replace_filename(fmt::format("{}.{}{}", first.stem().string(), i,
-                                        first.extension().string()));
+      path.replace_filename(
+          fmt::format("{}.{}{}", first.stem().string(), i, first.extension().string()));
     }
     if (auto written = write_file_atomically(path, format_camchain(table.rigs[i])); !written) {
       return written;
@@ -124,7 +124,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 options.input.paths.front().string(), table->frame_sets.size(),
                 table->observations.size());
   }
-  std::vector<Finding> findings = calibration_findings(result, *table, build);
+  std::vector<Finding> findings = calibration_findings(result, build);
   for (Finding& finding : build_findings(result, *table)) findings.push_back(std::move(finding));
   for (const Finding& finding : findings) {
     fmt::print(notes, "{}\n", one_line(finding, table->several_families()));
@@ -145,7 +145,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   if (auto written = write_map_file(options.output, result.map); !written) return written;
   const bool refined = options.build.refine.extrinsics || options.build.refine.intrinsics;
   const auto& calibration = result.submaps.front().calibration;
-  if (refined && calibration && calibration->refused.empty()) {
+  if (refined && calibration && calibration->applied) {
     if (auto written = write_refined_rigs(options, *table, out); !written) return written;
   }
   if (options.trajectory) {

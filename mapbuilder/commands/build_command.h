@@ -13,14 +13,15 @@
 namespace waymark {
 
 /// `mapbuilder build CAPTURE... -o MAP [--trajectory RIG.tum] [--report DIR] [--mono] [--threads N]
-/// [--survey FILE] [--refine extrinsics,intrinsics,sizes] [--refined-rig FILE] [--strict] [--redetect] [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`,
-/// or with `VIDEO... --rig FILE --markers FILE [--every N] [--sync]` in the captures' place
+/// [--survey FILE] [--refine extrinsics,intrinsics,sizes] [--refined-rig FILE] [--strict]
+/// [--redetect] [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`, or with
+/// `VIDEO... --rig FILE --markers FILE [--every N] [--sync]` in the captures' place
 struct BuildCommandOptions {
   CaptureInput input;
   std::filesystem::path output;
   std::optional<std::filesystem::path> trajectory;
-  std::optional<std::filesystem::path> report;  ///< folder for summary.json and a page
-  std::optional<std::filesystem::path> survey;  ///< survey.toml
+  std::optional<std::filesystem::path> report;       ///< folder for summary.json and a page
+  std::optional<std::filesystem::path> survey;       ///< survey.toml
   std::optional<std::filesystem::path> refined_rig;  ///< camchain to write; default beside the map
   bool mono = false;
   bool strict = false;  ///< several sub-maps are an error and nothing is written

@@ -27,7 +27,8 @@ Finding partial_refusal(const BuiltSubMap& submap) {
   finding.title = "A part of the refinement was refused and stays as stated";
   finding.evidence = fmt::format("{}.", fmt::join(submap.calibration->held, "; "));
   finding.remedy =
-      "Record more views that several cameras share, from many sides and distances, with turns about "
+      "Record more views that several cameras share, from many sides and distances, with turns "
+      "about "
       "all axes.";
   return finding;
 }
@@ -49,14 +50,15 @@ Finding rig_misfit(const RigCamera& before, const RigCamera& after, const Camera
   finding.kind = FindingKind::rig_misfit;
   finding.title = fmt::format("The rig file does not fit {}", before.name);
   finding.evidence = fmt::format(
-      "The images put it {:.1f} mm (± {:.1f}) and {:.2f}° (± {:.2f}) away from where rig.yaml has it.",
+      "The images put it {:.1f} mm (± {:.1f}) and {:.2f}° (± {:.2f}) away from where rig.yaml has "
+      "it.",
       1e3 * moved_m, 1e3 * sure.position_m, kDegreesPerRadian * turned_rad,
       kDegreesPerRadian * sure.rotation_rad);
   finding.remedy = "Calibrate the rig anew, or build with --refine extrinsics.";
   finding.cameras = {before.name};
-  finding.figures = {{"moved", moved_m, "m", sure.position_m},
-                     {"turned", kDegreesPerRadian * turned_rad, "°",
-                      kDegreesPerRadian * sure.rotation_rad}};
+  finding.figures = {
+      {"moved", moved_m, "m", sure.position_m},
+      {"turned", kDegreesPerRadian * turned_rad, "°", kDegreesPerRadian * sure.rotation_rad}};
   return finding;
 }
 
@@ -69,7 +71,8 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
   finding.kind = FindingKind::intrinsics_misfit;
   finding.title = fmt::format("The intrinsics of {} do not fit its images", before.name);
   finding.evidence = fmt::format(
-      "Its focal length fits {:+.2f} % (± {:.2f}) off the stated one, and its lens bends the image up "
+      "Its focal length fits {:+.2f} % (± {:.2f}) off the stated one, and its lens bends the image "
+      "up "
       "to {:.1f} px otherwise than stated{}.",
       100 * focal, 100 * sure.focal, lens_px,
       old_one.distortion == Distortion::none ? ": the stated zero distortion is wrong" : "");
@@ -99,8 +102,13 @@ double largest_shift_px(const CameraModel& before, const CameraModel& after) {
   return largest;
 }
 
-void name_misfits(const CalibrationResult& calibration, const std::vector<Rig>& after,
-                  std::vector<Finding>& findings) {
+void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& findings) {
+  const bool judge_extrinsics =
+      calibration.applied || calibration.extrinsics_cost_ratio < kExplainsTooLittle;
+  const bool judge_intrinsics =
+      calibration.applied || calibration.intrinsics_cost_ratio < kExplainsTooLittle;
+  if (calibration.rigs_fitted.empty()) return;
+  const std::vector<Rig>& after = calibration.rigs_fitted;
   std::size_t index = 0;
   for (std::size_t r = 0; r < after.size(); ++r) {
     for (std::size_t c = 0; c < after[r].cameras.size(); ++c, ++index) {
@@ -111,11 +119,12 @@ void name_misfits(const CalibrationResult& calibration, const std::vector<Rig>& 
           (fitted.rig_from_cam.translation - stated.rig_from_cam.translation).norm();
       const double turned_rad =
           angle_between_rad(fitted.rig_from_cam.rotation, stated.rig_from_cam.rotation);
-      if (moved_m > std::max(kWorthNaming_m, kSigmas * sure.position_m) ||
-          turned_rad > std::max(kWorthNaming_rad, kSigmas * sure.rotation_rad)) {
+      if (judge_extrinsics &&
+          (moved_m > std::max(kWorthNaming_m, kSigmas * sure.position_m) ||
+           turned_rad > std::max(kWorthNaming_rad, kSigmas * sure.rotation_rad))) {
         findings.push_back(rig_misfit(stated, fitted, sure));
       }
-      if (stated.model.parameters() == fitted.model.parameters()) continue;
+      if (!judge_intrinsics || stated.model.parameters() == fitted.model.parameters()) continue;
       constexpr double kWorthNaming_px = 1.0;
       const double shift_px = largest_shift_px(stated.model, fitted.model);
       const double focal =
@@ -134,8 +143,8 @@ void name_survey(const BuiltSubMap& submap, std::vector<Finding>& findings) {
     finding.kind = FindingKind::survey_disagrees;
     finding.title = fmt::format("The survey's {} disagrees with the map", entry.entry);
     finding.evidence = fmt::format("Off by {:.1f} mm, {:.1f} times its stated sigma of {:.1f} mm.",
-                                   1e3 * entry.residual_m, std::abs(entry.residual_m) / entry.sigma_m,
-                                   1e3 * entry.sigma_m);
+                                   1e3 * entry.residual_m,
+                                   std::abs(entry.residual_m) / entry.sigma_m, 1e3 * entry.sigma_m);
     finding.remedy = "Measure it again; if it stands, look at sizes and calibration.";
     finding.figures = {{"residual", entry.residual_m, "m", entry.sigma_m}};
     findings.push_back(finding);
@@ -144,8 +153,7 @@ void name_survey(const BuiltSubMap& submap, std::vector<Finding>& findings) {
 
 }  // namespace
 
-std::vector<Finding> calibration_findings(const BuildResult& result, const ObservationTable& table,
-                                          const BuildOptions& options) {
+std::vector<Finding> calibration_findings(const BuildResult& result, const BuildOptions& options) {
   std::vector<Finding> findings;
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     const BuiltSubMap& submap = result.submaps[i];
@@ -155,7 +163,7 @@ std::vector<Finding> calibration_findings(const BuildResult& result, const Obser
         findings.push_back(refusal(submap));
       } else {
         if (!submap.calibration->held.empty()) findings.push_back(partial_refusal(submap));
-        name_misfits(*submap.calibration, table.rigs, findings);
+        name_misfits(*submap.calibration, findings);
       }
     }
     name_survey(submap, findings);

@@ -10,7 +10,6 @@ namespace waymark {
 /// What survey and refinement showed: refusals with their reasons, how far cameras were moved, how
 /// sizes and edges fit, survey entries that disagree or determine nothing.
 [[nodiscard]] std::vector<Finding> calibration_findings(const BuildResult& result,
-                                                        const ObservationTable& table,
                                                         const BuildOptions& options);
 
 }  // namespace waymark

@@ -51,10 +51,9 @@ class SurveyReader {
     } else {
       fields.reject("id", marker.error().message);
     }
-    const std::size_t corner =
-        fields.choice("corner", {kCornerNames[0], kCornerNames[1], kCornerNames[2], kCornerNames[3],
-                                 "center"},
-                      4);
+    const std::size_t corner = fields.choice(
+        "corner", {kCornerNames[0], kCornerNames[1], kCornerNames[2], kCornerNames[3], "center"},
+        4);
     if (corner < 4) place.corner = static_cast<int>(corner);
     return place;
   }
@@ -83,7 +82,8 @@ class SurveyReader {
     for (auto [key, place] : {std::pair{"from", &distance.from}, std::pair{"to", &distance.to}}) {
       const toml::table* end = fields.table(key);
       if (end == nullptr) {
-        fields.reject(fmt::format("{} is missing: {} = {{ id = 24, corner = \"center\" }}", key, key));
+        fields.reject(
+            fmt::format("{} is missing: {} = {{ id = 24, corner = \"center\" }}", key, key));
         continue;
       }
       TomlFields end_fields(*end, name_);

@@ -29,7 +29,8 @@ class DirectionHold : public KeptFactor {
     double along = 0;
     for (std::size_t c = 0; c < stated_.size(); ++c) {
       if (layout_.extrinsics[c] >= 0) {
-        // The tangent's own derivative is the identity to within the camera's turn: a degree or two.
+        // The tangent's own derivative is the identity to within the camera's turn: a degree or
+        // two.
         along += extrinsics_[c].dot(at.cameras[c].rig_from_cam.minus(stated_[c].rig_from_cam));
         result.parts.push_back({layout_.extrinsics[c], extrinsics_[c].transpose() / kTightness});
       }

@@ -129,17 +129,18 @@ std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope
                       table.sizes_m[m] / table.stated_sizes_m[m]);
     }
     for (const auto& [size_class, factor] : already) {
-      factors.push_back(size_prior(problem, static_cast<std::size_t>(size_class), factor,
-                                   scope.size_sigma));
+      factors.push_back(
+          size_prior(problem, static_cast<std::size_t>(size_class), factor, scope.size_sigma));
     }
   }
   for (const HeldDirection& direction : scope.held_directions) {
-    factors.push_back(direction_hold(problem, scope.stated_cameras, direction.extrinsics,
-                                     direction.focal));
+    factors.push_back(
+        direction_hold(problem, scope.stated_cameras, direction.extrinsics, direction.focal));
   }
   if (scope.free.edge_bias) {
     for (std::size_t c = 0; c < problem.start().cameras.size(); ++c) {
-      factors.push_back(edge_bias_prior(problem, c, table.edge_bias_px[c], scope.edge_bias_sigma_px));
+      factors.push_back(
+          edge_bias_prior(problem, c, table.edge_bias_px[c], scope.edge_bias_sigma_px));
     }
   }
   return factors;
@@ -178,10 +179,9 @@ CalibrationUncertainty uncertainty_of(JointProblem& problem, const JointUnknowns
   CalibrationUncertainty uncertainty;
   for (std::size_t c = 0; c < at.cameras.size(); ++c) {
     const CameraParameters& camera = at.cameras[c].model.parameters();
-    uncertainty.cameras.push_back({sigma(layout.extrinsics[c], 0, 3),
-                                   sigma(layout.extrinsics[c], 3, 3),
-                                   sigma(layout.focal[c], 0, 2) / camera.fu_px,
-                                   sigma(layout.edge_bias[c], 0, 1)});
+    uncertainty.cameras.push_back(
+        {sigma(layout.extrinsics[c], 0, 3), sigma(layout.extrinsics[c], 3, 3),
+         sigma(layout.focal[c], 0, 2) / camera.fu_px, sigma(layout.edge_bias[c], 0, 1)});
   }
   for (const int block : layout.size) uncertainty.size_factor.push_back(sigma(block, 0, 1));
   if (determined) uncertainty.joint = joint_covariance(layout, cholesky);
@@ -218,9 +218,9 @@ void calibrate(const JointProblem& problem, const JointUnknowns& optimum, int th
 
 }  // namespace
 
-AdjustmentSummary adjust_jointly(ObservationTable& table,
-                                 std::span<const std::size_t> observations, const HeldPoses& held,
-                                 const AdjustmentOptions& options, MapState& state) {
+AdjustmentSummary adjust_jointly(ObservationTable& table, std::span<const std::size_t> observations,
+                                 const HeldPoses& held, const AdjustmentOptions& options,
+                                 MapState& state) {
   AdjustmentSummary summary;
   const std::vector<std::size_t> used = participating(table, observations, state);
   summary.observations = used.size();

@@ -7,9 +7,9 @@
 
 namespace waymark {
 
-/// A direction of the extrinsics and focal lengths that the data can't tell: held where the rig file
-/// has it. `weights` has 6 entries per camera for the extrinsics' tangent, then 2 per camera for
-/// fu fv (1/px); zero where nothing is free.
+/// A direction of the extrinsics and focal lengths that the data can't tell: held where the rig
+/// file has it. `weights` has 6 entries per camera for the extrinsics' tangent, then 2 per camera
+/// for fu fv (1/px); zero where nothing is free.
 struct HeldDirection {
   std::vector<Vector6d> extrinsics;
   std::vector<Eigen::Vector2d> focal;
@@ -64,7 +64,7 @@ struct AdjustmentSummary {
   int iterations = 0;
   double initial_cost = 0;  ///< ½ Σ ρ, sigmas²
   double final_cost = 0;
-  std::size_t observations = 0;  ///< that took part
+  std::size_t observations = 0;                       ///< that took part
   std::optional<CalibrationUncertainty> uncertainty;  ///< of what was free
 };
 

@@ -133,9 +133,9 @@ class JointProblem {
   FreeCalibration free_;
   ObservationLoss loss_;
   int threads_;
-  std::vector<int> markers_;            ///< per slot, table index, rising
+  std::vector<int> markers_;               ///< per slot, table index, rising
   std::vector<int> size_class_of_marker_;  ///< per marker of the table
-  std::vector<int> frame_set_indices_;  ///< per slot, table index, rising
+  std::vector<int> frame_set_indices_;     ///< per slot, table index, rising
   std::vector<FrameSetSlot> sets_;
   std::vector<ObservationSlot> observations_;
   KeptLayout layout_;

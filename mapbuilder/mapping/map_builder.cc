@@ -89,8 +89,7 @@ class ComponentBuilder {
   AdjustmentSummary adjust(const Growth& growth, const AdjustmentOptions& options) {
     AdjustmentOptions scoped = options;
     scoped.scope = scope_;
-    const AdjustmentSummary summary =
-        adjust_jointly(table_, observations_, held_, scoped, state_);
+    const AdjustmentSummary summary = adjust_jointly(table_, observations_, held_, scoped, state_);
     if (summary.uncertainty) uncertainty_ = *summary.uncertainty;
     growth.localize_unadjusted(state_);
     return summary;
@@ -150,7 +149,10 @@ class ComponentBuilder {
     // What the survey measures against the stated sizes is the printer's and the camera's doing.
     free.sizes = free.sizes || reach.scale;
     free.edge_bias = reach.scale;
-    if (!free.any() && !reach.scale) return;
+    if (!free.any() && !reach.scale) {
+      try_calibration();
+      return;
+    }
     const ObservationTable table_before = table_;
     const MapState state_before = state_;
     const bool settled_before = settled_;
@@ -173,13 +175,48 @@ class ComponentBuilder {
     if (hold_what_is_unsure()) settle(growth);
     calibration_->uncertainty = uncertainty_;
     calibration_->refused = unsupported(uncertainty_);
-    if (calibration_->refused.empty()) return;
+    if (calibration_->refused.empty()) {
+      calibration_->applied = true;
+      calibration_->rigs_fitted = table_.rigs;
+      return;
+    }
     table_ = table_before;
     state_ = state_before;
     noise_ = noise_before;
     scope_ = {};
     held_.frame_set = anchor_;
     settled_ = settled_before;
+  }
+
+  /// Whether the rig file fits the images: a few steps with all of it free, on copies. What they
+  /// find is evidence, the map stays as it is.
+  void try_calibration() {
+    ObservationTable table = table_;
+    MapState state = state_;
+    AdjustmentOptions options{options_.loss, 4, 1e-2, 1e-6, threads_, {}};
+    calibration_.emplace();
+    calibration_->rigs_before = table_.rigs;
+    const auto free_and_adjust = [&] {
+      const AdjustmentSummary summary = adjust_jointly(table, observations_, held_, options, state);
+      if (summary.uncertainty) calibration_->uncertainty = *summary.uncertainty;
+      return summary.initial_cost > 0 ? summary.final_cost / summary.initial_cost : 1.0;
+    };
+    const bool several_cameras = std::any_of(table_.rigs.begin(), table_.rigs.end(),
+                                             [](const Rig& rig) { return rig.cameras.size() > 1; });
+    if (several_cameras) {
+      options.scope.free.extrinsics = true;
+      calibration_->extrinsics_cost_ratio = free_and_adjust();
+    }
+    // Extrinsics first: what they explain is not the lens's fault.
+    const ObservationTable with_extrinsics = table;
+    const CalibrationUncertainty of_extrinsics = calibration_->uncertainty;
+    options.scope.free.intrinsics = true;
+    calibration_->intrinsics_cost_ratio = free_and_adjust();
+    calibration_->rigs_fitted = table.rigs;
+    if (calibration_->intrinsics_cost_ratio > kExplainsTooLittle && several_cameras) {
+      calibration_->rigs_fitted = with_extrinsics.rigs;
+      calibration_->uncertainty = of_extrinsics;
+    }
   }
 
   void move_world(const Rigid3& new_from_old) {
@@ -237,9 +274,10 @@ class ComponentBuilder {
     const bool focal = row >= 6 * cameras;
     const Eigen::Index camera = focal ? (row - 6 * cameras) / 2 : row / 6;
     const auto text = [&](const char* what, double allowed, const char* unit) {
-      return fmt::format("{}'s {} with what moves along: known to ± {:.2g} {} only, {:.2g} is asked for",
-                         scope_.stated_cameras[static_cast<std::size_t>(camera)].name, what,
-                         limits * allowed, unit, allowed);
+      return fmt::format(
+          "{}'s {} with what moves along: known to ± {:.2g} {} only, {:.2g} is asked for",
+          scope_.stated_cameras[static_cast<std::size_t>(camera)].name, what, limits * allowed,
+          unit, allowed);
     };
     if (focal) return text("focal length", 100 * limit.focal, "%");
     if (row % 6 < 3) return text("position", 1e3 * limit.position_m, "mm");
@@ -301,7 +339,8 @@ class ComponentBuilder {
     // The last adjustment is one of exactly the observations that the last gate accepts.
     constexpr int kMostPolishes = 5;
     for (int polish = 0; polish < kMostPolishes && !settled_; ++polish) {
-      const AdjustmentSummary summary = adjust(growth, {options_.loss, 50, 1e-9, 1e-14, threads_, {}});
+      const AdjustmentSummary summary =
+          adjust(growth, {options_.loss, 50, 1e-9, 1e-14, threads_, {}});
       const bool converged = summary.converged || summary.observations == 0;
       settled_ = converged && update_gate(table_, observations_, options_.gate, state_) == 0;
     }

@@ -22,6 +22,10 @@ struct RefinementLimits {
   double size = 0.003;             ///< (1e-5–0.1) as a share of the stated size
 };
 
+/// Of the cost, the share that must go when something of the rig file is freed before it is said
+/// not to fit: noise gives up a few per mille. (0.5–0.99)
+inline constexpr double kExplainsTooLittle = 0.9;
+
 /// How a calibration that was free ended.
 struct CalibrationResult {
   std::vector<std::string> refused;  ///< reasons; empty: the refinement stands
@@ -29,6 +33,11 @@ struct CalibrationResult {
   std::vector<std::string> held;
   CalibrationUncertainty uncertainty;
   std::vector<Rig> rigs_before;  ///< of the table
+  std::vector<Rig> rigs_fitted;
+  bool applied = false;  ///< the map is built with what was fitted; else it is evidence only
+  /// Robust cost with freed extrinsics to that without, and with freed intrinsics on top of them.
+  double extrinsics_cost_ratio = 1.0;
+  double intrinsics_cost_ratio = 1.0;
 };
 
 /// Options of a build. Defaults are what `mapbuilder build` uses.
@@ -37,7 +46,7 @@ struct BuildOptions {
   ObservationLoss loss;  ///< of Algorithms 1 and 2
   GateOptions gate;
   GrowthOptions growth;
-  Survey survey;          ///< measured on site; may be empty
+  Survey survey;           ///< measured on site; may be empty
   FreeCalibration refine;  ///< extrinsics, intrinsics, sizes: what the user asks for
   RefinementLimits refinement_limits;
   int max_passes = 8;  ///< (1–50) of adjust, reconsider, gate
@@ -65,9 +74,9 @@ struct BuiltSubMap {
       ambiguous;  ///< frame sets whose runner-up explains their data too; in no trajectory
   /// Of all observations that have a prediction: of mapped markers in localized frame sets.
   std::vector<ObservationResidual> residuals;
-  double model_sigma_px = 0;       ///< estimated, per axis
-  std::size_t observations = 0;    ///< of mapped markers in localized frame sets
-  std::size_t rejected = 0;        ///< of these, by the gate
+  double model_sigma_px = 0;                     ///< estimated, per axis
+  std::size_t observations = 0;                  ///< of mapped markers in localized frame sets
+  std::size_t rejected = 0;                      ///< of these, by the gate
   std::optional<CalibrationResult> calibration;  ///< when something was free
   std::vector<SurveyResidual> survey;
   bool settled = false;            ///< converged, with gate, flips and noise at rest

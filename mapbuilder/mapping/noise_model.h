@@ -24,7 +24,8 @@ struct NoiseModel {
   double model_sigma_px = 1.0;  ///< (0.002–20)
 };
 
-/// Bounds of the estimate. Below 0.002 px nothing real is (rendered corners are 0.009 px sure); above 20 px nothing fits.
+/// Bounds of the estimate. Below 0.002 px nothing real is (rendered corners are 0.009 px sure);
+/// above 20 px nothing fits.
 inline constexpr double kSmallestModelSigma = 0.002;
 inline constexpr double kLargestModelSigma = 20.0;
 

@@ -50,8 +50,8 @@ struct ObservationTable {
   std::vector<Rig> rigs;
   std::vector<std::string> capture_names;  ///< canonical order
   std::vector<std::string> capture_fingerprints;
-  std::string rig_fingerprint;    ///< of all different rigs together
-  std::vector<MarkerId> markers;  ///< rising
+  std::string rig_fingerprint;         ///< of all different rigs together
+  std::vector<MarkerId> markers;       ///< rising
   std::vector<double> stated_sizes_m;  ///< per marker
   std::vector<double> sizes_m;         ///< per marker: effective, what the observations use
   std::vector<double> edge_bias_px;    ///< per camera of all rigs: what corners were moved in by

@@ -257,8 +257,8 @@ std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observa
   }
   for (const SurveyedDistance& distance : survey.distances) {
     SurveyResidual residual;
-    residual.entry = format_place(distance.from, with_family) + " – " +
-                     format_place(distance.to, with_family);
+    residual.entry =
+        format_place(distance.from, with_family) + " – " + format_place(distance.to, with_family);
     residual.use = distance.use;
     residual.measured_m = distance.distance_m;
     residual.sigma_m = distance.sigma_m;

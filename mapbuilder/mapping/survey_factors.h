@@ -12,13 +12,13 @@ namespace waymark {
 
 /// How well one entry of the survey agrees with the map.
 struct SurveyResidual {
-  std::string entry;        ///< "24 bottom-left – 60 bottom-left"
-  bool point = false;       ///< else a distance
+  std::string entry;   ///< "24 bottom-left – 60 bottom-left"
+  bool point = false;  ///< else a distance
   SurveyUse use = SurveyUse::fit;
-  bool mapped = false;      ///< all its markers are in this sub-map; else nothing below is said
-  double measured_m = 0;    ///< the distance; 0 for a point
-  double residual_m = 0;    ///< map − measured; of a point the length of the difference
-  double sigma_m = 0;       ///< stated
+  bool mapped = false;    ///< all its markers are in this sub-map; else nothing below is said
+  double measured_m = 0;  ///< the distance; 0 for a point
+  double residual_m = 0;  ///< map − measured; of a point the length of the difference
+  double sigma_m = 0;     ///< stated
 };
 
 /// What the fit entries can fix.
@@ -38,9 +38,10 @@ struct SurveyReach {
 
 /// Residuals of the fit entries on markers that take part in `problem`: distances always, points
 /// only `with_points` (the world is the facility frame then). Entry − prediction in stated sigmas.
-[[nodiscard]] std::vector<std::unique_ptr<KeptFactor>> survey_factors(
-    const Survey& survey, const ObservationTable& table, const JointProblem& problem,
-    bool with_points);
+[[nodiscard]] std::vector<std::unique_ptr<KeptFactor>> survey_factors(const Survey& survey,
+                                                                      const ObservationTable& table,
+                                                                      const JointProblem& problem,
+                                                                      bool with_points);
 
 /// Prior of one size class: size / stated size = 1 ± `sigma`. `already` is the factor that the
 /// observations' sizes hold by now.
@@ -48,7 +49,8 @@ struct SurveyReach {
                                                      std::size_t size_class, double already,
                                                      double sigma);
 
-/// Prior of a camera's edge bias: 0 ± `sigma_px`. `already_px` is what the observations were moved by.
+/// Prior of a camera's edge bias: 0 ± `sigma_px`. `already_px` is what the observations were moved
+/// by.
 [[nodiscard]] std::unique_ptr<KeptFactor> edge_bias_prior(const JointProblem& problem,
                                                           std::size_t camera, double already_px,
                                                           double sigma_px);
