@@ -23,7 +23,7 @@ MAY_INCLUDE = {
     "mapbuilder/import": ["core/capture"],
     "mapbuilder/mapping": ["core/detect", "core/estimate", "mapbuilder/import", "mapbuilder/output"],
     "mapbuilder/diagnosis": ["mapbuilder/mapping"],
-    "mapbuilder/evaluate": ["core/camera", "core/map", "mapbuilder/output"],
+    "mapbuilder/evaluate": ["core/camera", "core/estimate", "core/map", "mapbuilder/output"],
     "mapbuilder/report": ["mapbuilder/diagnosis", "mapbuilder/evaluate"],
     "mapbuilder/commands": ["mapbuilder/import", "mapbuilder/mapping", "mapbuilder/evaluate", "mapbuilder/report"],
     "simulator": ["core/capture"],
