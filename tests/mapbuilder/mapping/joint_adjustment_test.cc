@@ -9,7 +9,7 @@ namespace {
 
 TEST(JointAdjustment, BringsDisturbedPosesBackToTheTruth) {
   const auto room = test::make_room({});
-  const auto table = test::table_of(room);
+  auto table = test::table_of(room);
   MapState state = test::true_state(room, table);
   std::mt19937 random(9);
   std::normal_distribution<double> normal(0, 0.02);
@@ -51,7 +51,7 @@ TEST(JointAdjustment, TheAnchorStaysAndRejectedObservationsDoNotCount) {
 
 TEST(JointAdjustment, HeldMarkersStayAndTheRestFindsItsPlaceAmongThem) {
   const auto room = test::make_room({});
-  const auto table = test::table_of(room);
+  auto table = test::table_of(room);
   MapState state = test::true_state(room, table);
   HeldPoses held{-1, std::vector<char>(table.markers.size(), 1)};
   held.markers[2] = held.markers[5] = 0;
@@ -76,7 +76,7 @@ TEST(JointAdjustment, TheSameTwiceIsTheSameToTheLastBit) {
   test::RoomOptions options;
   options.noise_px = 0.3;
   const auto room = test::make_room(options);
-  const auto table = test::table_of(room);
+  auto table = test::table_of(room);
   const auto adjusted = [&] {
     MapState state = test::true_state(room, table);
     adjust_jointly(table, test::all_observations(table), {0, {}},
