@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <cmath>
 
 namespace waymark {
@@ -67,6 +68,9 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
   const CameraParameters& old_one = before.model.parameters();
   const CameraParameters& new_one = after.model.parameters();
   const double focal = new_one.fu_px / old_one.fu_px - 1.0;
+  const bool stated_straight =
+      old_one.distortion == Distortion::none ||
+      (old_one.distortion == Distortion::radtan && old_one.coefficients == std::array<double, 4>{});
   Finding finding;
   finding.kind = FindingKind::intrinsics_misfit;
   finding.title = fmt::format("The intrinsics of {} do not fit its images", before.name);
@@ -75,7 +79,7 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
       "up "
       "to {:.1f} px otherwise than stated{}.",
       100 * focal, 100 * sure.focal, lens_px,
-      old_one.distortion == Distortion::none ? ": the stated zero distortion is wrong" : "");
+      stated_straight ? ": the stated zero distortion is wrong" : "");
   finding.remedy = "Calibrate the camera anew, or build with --refine intrinsics.";
   finding.cameras = {before.name};
   finding.figures = {{"focal length", 100 * focal, "%", 100 * sure.focal},
