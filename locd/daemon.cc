@@ -1,17 +1,20 @@
 #include "locd/daemon.h"
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/signalfd.h>
-#include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <future>
 
+#include "core/camera/kalibr.h"
 #include "drivers/monotonic_clock.h"
-#include "locd/instance_lock.h"
+#include "locd/control_socket.h"
 #include "locd/localization_thread.h"
+#include "locd/quarantine.h"
+#include "locd/recorder.h"
 #include "locd/rig_capture.h"
 #include "locd/service_log.h"
 #include "locd/service_notifier.h"
@@ -20,15 +23,20 @@
 namespace waymark {
 namespace {
 
-constexpr Stamp kTurn = std::chrono::milliseconds(100);
 constexpr Stamp kStatusPeriod = std::chrono::seconds(1);
 /// A thread that has not turned for so long is stuck. Localizing one set takes a tenth of it on a
 /// slow machine, and cameras turn five times a second.
 constexpr Stamp kStuck = std::chrono::seconds(3);
-/// SIGTERM ends in a second, whatever drivers do.
-constexpr Stamp kStopPatience = std::chrono::milliseconds(700);
 
-MapInUse map_in_use(const Setup& setup) {
+/// What a former run distrusted of the same map.
+std::vector<QuarantinedMarker> quarantine_of(const std::string& map_hash,
+                                             const std::filesystem::path& file) {
+  auto quarantine = read_quarantine(file);
+  if (!quarantine || quarantine->map_hash != map_hash) return {};
+  return std::move(quarantine->markers);
+}
+
+MapInUse map_in_use(const Setup& setup, const std::filesystem::path& quarantine_file) {
   MapInUse map;
   map.time_budget =
       std::chrono::microseconds(std::llround(setup.config.solve.time_budget_ms * 1e3));
@@ -38,6 +46,7 @@ MapInUse map_in_use(const Setup& setup) {
   map.several_families = setup.map->several_families();
   map.localizer =
       std::make_unique<Localizer>(setup.rig, *setup.map, localizer_options(setup.config));
+  map.localizer->restore_quarantine(quarantine_of(map.map_hash, quarantine_file));
   return map;
 }
 
@@ -48,6 +57,21 @@ SessionFacts session_of(const Setup& setup, const MapInUse& map) {
 
 std::size_t marker_count(const Setup& setup) {
   return setup.map ? setup.map->submaps.front().markers.size() : 0;
+}
+
+/// A folder of its own per recording, named by the date (UTC) so that names sort by age.
+std::filesystem::path new_recording_folder(const std::filesystem::path& archive) {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  std::array<char, 32> name{};
+  const std::size_t length = std::strftime(name.data(), name.size(), "%Y%m%dT%H%M%SZ", &utc);
+  const std::string date(name.data(), length);
+  std::filesystem::path folder = archive / date;
+  for (int i = 2; std::filesystem::exists(folder); ++i) {
+    folder = archive / fmt::format("{}-{}", date, i);
+  }
+  return folder;
 }
 
 std::filesystem::path folder_from(const char* variable, const char* fallback) {
@@ -72,37 +96,51 @@ struct Daemon::Parts {
       : options(std::move(chosen)),
         setup(std::move(read)),
         several_families(map.several_families),
+        quarantine{map.map_hash, quarantine_of(map.map_hash, quarantine_file())},
         telemetry(setup.config.lcm, session_of(setup, map), read_clocks()),
         capture(std::move(sources), sync_options(setup.config)),
-        localization(capture, telemetry, std::move(map), [](const FrameSetLease&) {}),
+        localization(capture, telemetry, std::move(map),
+                     [this](const FrameSetLease& set) { recorder.offer(set); }),
         report(setup.rig) {}
 
   DaemonOptions options;
   Setup setup;
   bool several_families;
+  Quarantine quarantine;  ///< as it stands in the state folder
   Telemetry telemetry;
   RigCapture capture;
+  Recorder recorder;
   LocalizationThread localization;
   StatusReport report;
+  std::optional<ControlSocket> control;
   ServiceNotifier notifier;
   ServiceLog log;
   status_t status{};
   std::vector<RigCapture::CameraState> cameras;
   std::string reload_refused;
+  bool was_recording = false;
   Stamp started{0};
   Stamp last_status{0};
   bool ready = false;
+  std::future<void> ended;  ///< of the threads, once they were told to
 
   void look_at_cameras(Stamp now);
   void pass_on(const std::vector<Alert>& alerts, Stamp now);
   void publish_status(Stamp now);
   void feed_watchdog(Stamp now);
+  void keep_quarantine(Stamp now);
+  void look_at_recorder(Stamp now);
+  Status start_recording(const std::filesystem::path& folder);
+  std::string answer(std::string_view request);
+  [[nodiscard]] std::filesystem::path quarantine_file() const {
+    return options.state_folder / "quarantine.json";
+  }
   Status swap(Setup next);
 };
 
 Daemon::Daemon(DaemonOptions options, Setup setup,
                std::vector<std::unique_ptr<FrameSource>> sources) {
-  MapInUse map = map_in_use(setup);
+  MapInUse map = map_in_use(setup, options.state_folder / "quarantine.json");
   parts_ = std::make_unique<Parts>(std::move(options), std::move(setup), std::move(map),
                                    std::move(sources));
 }
@@ -111,11 +149,19 @@ Daemon::~Daemon() = default;
 
 Telemetry& Daemon::telemetry() { return parts_->telemetry; }
 
-int Daemon::control_descriptor() const { return -1; }
+int Daemon::control_descriptor() const {
+  return parts_->control ? parts_->control->descriptor() : -1;
+}
 
 Status Daemon::start() {
   Parts& p = *parts_;
   for (const std::string& note : p.setup.notes) p.log.note(note);
+  auto control = ControlSocket::open(p.options.runtime_folder / "control");
+  if (!control) return tl::make_unexpected(control.error());
+  p.control.emplace(std::move(*control));
+  if (p.options.record) {
+    if (auto recording = p.start_recording(*p.options.record); !recording) return recording;
+  }
   p.started = p.last_status = monotonic_now();
   p.capture.start();
   p.localization.start();
@@ -135,6 +181,9 @@ void Daemon::turn(Stamp now) {
   p.telemetry.keep_alive(now);
   p.look_at_cameras(now);
   p.pass_on(p.localization.take_alerts(), now);
+  p.keep_quarantine(now);
+  p.look_at_recorder(now);
+  p.control->serve([&p](std::string_view request) { return p.answer(request); });
   if (now - p.last_status >= kStatusPeriod) p.publish_status(now);
   p.feed_watchdog(now);
   p.log.summarize(now);
@@ -168,6 +217,13 @@ void Daemon::Parts::publish_status(Stamp now) {
   status.version = options.version;
   status.map_markers = static_cast<std::int32_t>(marker_count(setup));
   status.reload_refused = reload_refused;
+  status.quarantined_markers = static_cast<std::int32_t>(quarantine.markers.size());
+  const Recorder::State recording = recorder.state();
+  status.recording = static_cast<std::int8_t>(recording.running);
+  status.recording_path = recording.running ? recording.folder.string() : "";
+  status.recorded_sets = static_cast<std::int64_t>(recording.sets);
+  status.recorded_bytes = static_cast<std::int64_t>(recording.bytes);
+  status.recorder_drops = static_cast<std::int64_t>(recording.drops);
   status.map_hash = telemetry.session().map_hash;
   status.text = StatusReport::text(status, cameras);
   telemetry.publish_status(status, now);
@@ -177,13 +233,84 @@ void Daemon::Parts::publish_status(Stamp now) {
   }
 }
 
+void Daemon::Parts::keep_quarantine(Stamp now) {
+  auto markers = localization.take_quarantine();
+  if (!markers) return;
+  for (QuarantinedMarker& marker : *markers) {
+    const auto known = std::find_if(quarantine.markers.begin(), quarantine.markers.end(),
+                                    [&](const auto& k) { return k.marker == marker.marker; });
+    if (known != quarantine.markers.end()) marker.since_utime = known->since_utime;
+    if (marker.since_utime == 0) marker.since_utime = telemetry.utime_us(now);
+  }
+  quarantine = {telemetry.session().map_hash, std::move(*markers)};
+  if (auto written = write_quarantine(quarantine_file(), quarantine); !written) {
+    log.event("QUARANTINE", written.error().message, now);
+  }
+}
+
+void Daemon::Parts::look_at_recorder(Stamp now) {
+  const Recorder::State state = recorder.state();
+  if (state.running == was_recording) return;
+  was_recording = state.running;
+  const std::string text = state.running   ? "recording to " + state.folder.string()
+                           : state.failure ? "recording ended: " + state.failure->message
+                                           : "recording ended: " + state.folder.string();
+  const bool wrong = !state.running && state.failure.has_value();
+  telemetry.publish_alert("RECORDING", state.folder.string(), text, wrong, now);
+  log.event(wrong ? "RECORDING" : text, text, now);
+}
+
+Status Daemon::Parts::start_recording(const std::filesystem::path& folder) {
+  const Config::Record& record = setup.config.record;
+  RecordingFacts facts;
+  facts.rig_yaml = format_camchain(setup.rig);
+  facts.markers_toml = setup.markers_toml;
+  facts.session_id = telemetry.session().session_id;
+  facts.version = options.version;
+  facts.codec = record.jpeg ? "jpeg" : "pgm";
+  facts.sync_tolerance = sync_options(setup.config).tolerance;
+  if (folder.parent_path() == record.dir) facts.archive = record.dir;
+  RecorderOptions chosen;
+  chosen.jpeg = record.jpeg;
+  chosen.every_nth = record.every_nth;
+  chosen.budget.max_bytes = record.max_bytes;
+  chosen.budget.keep =
+      std::chrono::duration_cast<Stamp>(std::chrono::duration<double>(record.keep_s));
+  chosen.budget.min_free_bytes = record.min_free_bytes;
+  chosen.name_offset = telemetry.utime_offset();
+  for (const RigCamera& camera : setup.rig.cameras) {
+    facts.cameras.push_back(camera.name);
+    const CameraParameters& size = camera.model.parameters();
+    chosen.pixels.push_back(static_cast<std::size_t>(size.width_px) *
+                            static_cast<std::size_t>(size.height_px));
+  }
+  return recorder.start(folder, facts, chosen);
+}
+
+std::string Daemon::Parts::answer(std::string_view request) {
+  const auto state = recorder.state();
+  if (request == "status") {
+    return fmt::format("ok {}", state.running ? "recording to " + state.folder.string()
+                                              : std::string("not recording"));
+  }
+  if (request == "stop") {
+    recorder.stop();
+    return state.running ? "ok " + state.folder.string() : "ok there was no recording";
+  }
+  if (request != "start") return "error: the requests are start, stop and status";
+  if (state.running) return "error: already recording to " + state.folder.string();
+  const auto folder = new_recording_folder(setup.config.record.dir);
+  const Status started = start_recording(folder);
+  return started ? "ok " + folder.string() : "error: " + started.error().message;
+}
+
 void Daemon::Parts::feed_watchdog(Stamp now) {
   bool all_turn = now - localization.counts().last_turn < kStuck || now - started < kStuck;
   for (const auto& camera : cameras) {
     all_turn = all_turn && (now - camera.last_turn < kStuck || now - started < kStuck);
   }
   if (all_turn) {
-    notifier.feed_watchdog();
+    notifier.feed_watchdog(now);
   } else {
     log.event("STUCK", "a thread does not turn; the watchdog is not fed", now);
   }
@@ -212,8 +339,9 @@ Status Daemon::Parts::swap(Setup next) {
     return fail(ErrorKind::config, "{}: the rig has changed, which needs a restart",
                 next.config.rig.camchain.string());
   }
-  MapInUse map = map_in_use(next);
+  MapInUse map = map_in_use(next, quarantine_file());
   several_families = map.several_families;
+  quarantine = {map.map_hash, quarantine_of(map.map_hash, quarantine_file())};
   setup = std::move(next);
   localization.swap_map(std::move(map));
   return {};
@@ -221,82 +349,19 @@ Status Daemon::Parts::swap(Setup next) {
 
 bool Daemon::stop(Stamp patience) {
   Parts& p = *parts_;
-  p.notifier.stopping();
-  // In a thread of its own: a driver's call that never returns must not hold up the end.
-  auto ended = std::make_shared<std::promise<void>>();
-  auto waiting = ended->get_future();
-  std::thread([&p, ended] {
-    p.capture.stop();
-    p.localization.stop();
-    ended->set_value();
-  }).detach();
-  return waiting.wait_for(patience) == std::future_status::ready;
-}
-
-namespace {
-
-/// Signals as a descriptor to poll; every thread that starts after this inherits the blocking.
-int signals_as_descriptor() {
-  sigset_t wanted;
-  sigemptyset(&wanted);
-  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
-  ::pthread_sigmask(SIG_BLOCK, &wanted, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);
-  return ::signalfd(-1, &wanted, SFD_CLOEXEC | SFD_NONBLOCK);
-}
-
-int report_failure(const Error& error) {
-  fmt::print(stderr, "locd: {}\n", error.message);
-  return error.exit_code();
-}
-
-/// Turns until a signal ends it.
-void serve(Daemon& daemon, int signals) {
-  for (Stamp due = monotonic_now();; due += kTurn) {
-    daemon.turn(monotonic_now());
-    for (Stamp left = due + kTurn - monotonic_now(); left > Stamp{0};
-         left = due + kTurn - monotonic_now()) {
-      pollfd watched[] = {{signals, POLLIN, 0}, {daemon.control_descriptor(), POLLIN, 0}};
-      const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
-      if (::poll(watched, 2, static_cast<int>(left_ms)) <= 0) continue;
-      signalfd_siginfo signal{};
-      while (::read(signals, &signal, sizeof signal) == sizeof signal) {
-        if (signal.ssi_signo != SIGHUP) return;
-        daemon.reload();
-      }
-    }
+  if (!p.ended.valid()) {
+    p.notifier.stopping();
+    // In a thread of its own: a driver's call that never returns must not hold up the end.
+    std::promise<void> ended;
+    p.ended = ended.get_future();
+    std::thread([&p, ended = std::move(ended)]() mutable {
+      p.capture.stop();
+      p.localization.stop();
+      p.recorder.stop();
+      ended.set_value_at_thread_exit();
+    }).detach();
   }
-}
-
-}  // namespace
-
-int run_daemon(const DaemonOptions& options) {
-  const int signals = signals_as_descriptor();
-  auto setup = load_setup(options.config);
-  if (!setup) return report_failure(setup.error());
-  const auto lock = InstanceLock::take(options.runtime_folder / "locd.pid");
-  if (!lock) return report_failure(lock.error());
-  auto sources = make_sources(*setup);
-  if (!sources) return report_failure(sources.error());
-  auto daemon = std::make_unique<Daemon>(options, std::move(*setup), std::move(*sources));
-  if (auto started = daemon->start(); !started) return report_failure(started.error());
-  serve(*daemon, signals);
-  if (daemon->stop(kStopPatience)) return 0;
-  fmt::print(stderr, "locd: a driver does not return; ending without it\n");
-  std::fflush(nullptr);
-  std::_Exit(0);
-}
-
-Status check_configuration(const std::filesystem::path& config) {
-  const auto setup = load_setup(config);
-  if (!setup) return tl::make_unexpected(setup.error());
-  const auto sources = make_sources(*setup);
-  if (!sources) return tl::make_unexpected(sources.error());
-  for (const std::string& note : setup->notes) fmt::print(stderr, "note: {}\n", note);
-  fmt::print("{}: {} cameras, {} markers{}; all is well\n", config.string(),
-             setup->rig.cameras.size(), marker_count(*setup),
-             setup->map ? ", map " + setup->map_hash : std::string(", no map"));
-  return {};
+  return p.ended.wait_for(patience) == std::future_status::ready;
 }
 
 }  // namespace waymark

@@ -43,8 +43,8 @@ class Daemon {
   /// Reads the configuration again and swaps map, tunables and recording budget, or refuses it
   /// whole.
   void reload();
-  /// Ends the threads: false when one of them is stuck in a driver's call after `patience`. Then
-  /// the object must not be destroyed: the process has to end without.
+  /// Ends the threads: false when one of them is stuck in a driver's call after `patience`. Until a
+  /// later call says true the object must not be destroyed: the process may end without.
   [[nodiscard]] bool stop(Stamp patience);
 
   /// What a waiting service loop may watch for requests; −1 before start.
@@ -55,12 +55,5 @@ class Daemon {
   struct Parts;
   std::unique_ptr<Parts> parts_;
 };
-
-/// Runs locd until SIGTERM or SIGINT; SIGHUP reloads. Returns the program's exit code.
-[[nodiscard]] int run_daemon(const DaemonOptions& options);
-
-/// `locd --check`: says on stdout what the configuration, rig and map are, or what is wrong with
-/// them.
-[[nodiscard]] Status check_configuration(const std::filesystem::path& config);
 
 }  // namespace waymark

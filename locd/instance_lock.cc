@@ -9,10 +9,10 @@
 #include <string>
 #include <system_error>
 
+#include "core/base/system_call.h"
+
 namespace waymark {
 namespace {
-
-std::string reason() { return std::error_code(errno, std::generic_category()).message(); }
 
 /// What the holder wrote: its pid.
 std::string pid_in(int descriptor) {
@@ -28,29 +28,23 @@ std::string pid_in(int descriptor) {
 Expected<InstanceLock> InstanceLock::take(const std::filesystem::path& file) {
   std::error_code ignored;  // the open below says what is wrong
   std::filesystem::create_directories(file.parent_path(), ignored);
-  const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (descriptor < 0) {
-    const bool denied = errno == EACCES || errno == EPERM || errno == EROFS;
-    return fail(denied ? ErrorKind::permission : ErrorKind::cant_create,
+  Descriptor opened(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (!opened.valid()) {
+    return fail(creation_error(),
                 "{}: can't create: {}; run as the service does, or set RUNTIME_DIRECTORY",
-                file.string(), reason());
+                file.string(), system_reason());
   }
-  InstanceLock lock(descriptor);
-  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+  if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
     return fail(ErrorKind::unavailable,
                 "{}: another locd is running, with pid {}; stop it before starting another",
-                file.string(), pid_in(descriptor));
+                file.string(), pid_in(opened.get()));
   }
   const std::string pid = std::to_string(::getpid()) + "\n";
-  if (::ftruncate(descriptor, 0) != 0 ||
-      ::pwrite(descriptor, pid.data(), pid.size(), 0) != static_cast<ssize_t>(pid.size())) {
-    return fail(ErrorKind::io, "{}: can't write: {}", file.string(), reason());
+  if (::ftruncate(opened.get(), 0) != 0 ||
+      ::pwrite(opened.get(), pid.data(), pid.size(), 0) != static_cast<ssize_t>(pid.size())) {
+    return fail(ErrorKind::io, "{}: can't write: {}", file.string(), system_reason());
   }
-  return lock;
-}
-
-InstanceLock::~InstanceLock() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  return InstanceLock(std::move(opened));
 }
 
 }  // namespace waymark

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "core/base/descriptor.h"
 #include "core/base/error.h"
 
 namespace waymark {
@@ -14,17 +15,9 @@ class InstanceLock {
   /// the process that holds it; permission and cant_create when the file can't be made.
   [[nodiscard]] static Expected<InstanceLock> take(const std::filesystem::path& file);
 
-  InstanceLock(InstanceLock&& other) noexcept : descriptor_(other.descriptor_) {
-    other.descriptor_ = -1;
-  }
-  InstanceLock& operator=(InstanceLock&&) = delete;
-  InstanceLock(const InstanceLock&) = delete;
-  InstanceLock& operator=(const InstanceLock&) = delete;
-  ~InstanceLock();
-
  private:
-  explicit InstanceLock(int descriptor) : descriptor_(descriptor) {}
-  int descriptor_;
+  explicit InstanceLock(Descriptor file) : file_(std::move(file)) {}
+  Descriptor file_;
 };
 
 }  // namespace waymark

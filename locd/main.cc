@@ -7,7 +7,7 @@
 #include <exception>
 #include <iostream>
 
-#include "locd/daemon.h"
+#include "locd/daemon_command.h"
 #include "locd/replay_command.h"
 
 namespace waymark {

@@ -30,6 +30,10 @@ void ServiceNotifier::reloading(Stamp now) {
 
 void ServiceNotifier::stopping() { ::sd_notify(0, "STOPPING=1"); }
 
-void ServiceNotifier::feed_watchdog() { ::sd_notify(0, "WATCHDOG=1"); }
+void ServiceNotifier::feed_watchdog(Stamp now) {
+  if (!watchdog_period_ || now - last_fed_ < *watchdog_period_ / 4) return;
+  last_fed_ = now;
+  ::sd_notify(0, "WATCHDOG=1");
+}
 
 }  // namespace waymark

@@ -17,14 +17,14 @@ class ServiceNotifier {
   /// A reload begins; ready() ends it.
   void reloading(Stamp now);
   void stopping();
-  /// Still alive: to be called only while everything turns.
-  void feed_watchdog();
-  /// Within which the watchdog must be fed; nullopt: there is none.
-  [[nodiscard]] std::optional<Stamp> watchdog_period() const { return watchdog_period_; }
+  /// Still alive: to be called often, and only while everything turns. systemd is told four times
+  /// in the period that it grants.
+  void feed_watchdog(Stamp now);
 
  private:
   std::string last_status_;
   std::optional<Stamp> watchdog_period_;
+  Stamp last_fed_{0};
 };
 
 }  // namespace waymark

@@ -119,6 +119,11 @@ SessionFacts Telemetry::session() const {
   return session_;
 }
 
+std::int64_t Telemetry::utime_us(Stamp stamp) const {
+  const std::lock_guard lock(mutex_);
+  return clock_.utime_us(stamp);
+}
+
 Stamp Telemetry::utime_offset() const {
   const std::lock_guard lock(mutex_);
   return clock_.offset();

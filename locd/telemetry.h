@@ -43,6 +43,8 @@ class Telemetry {
   [[nodiscard]] SessionFacts session() const;
   /// What utime adds to a stamp.
   [[nodiscard]] Stamp utime_offset() const;
+  /// µs since the epoch of a stamp.
+  [[nodiscard]] std::int64_t utime_us(Stamp stamp) const;
   [[nodiscard]] bool connected() const { return publisher_.connected(); }
   /// LCM itself, for a subscriber in this process (memq://).
   [[nodiscard]] lcm::LCM* lcm() { return publisher_.lcm(); }

@@ -9,45 +9,13 @@
 #include <cstring>
 #include <string>
 
+#include "core/base/descriptor.h"
+#include "core/base/system_call.h"
+
 namespace waymark {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A file descriptor that is closed at the end of its scope.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] bool valid() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
-
-std::string reason() { return std::strerror(errno); }  // NOLINT(concurrency-mt-unsafe)
-
-ErrorKind creation_error() {
-  return errno == EACCES || errno == EPERM || errno == EROFS ? ErrorKind::permission
-                                                             : ErrorKind::cant_create;
-}
-
-bool write_all(int fd, std::string_view content) {
-  while (!content.empty()) {
-    const ssize_t written = ::write(fd, content.data(), content.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      return false;
-    }
-    content.remove_prefix(static_cast<std::size_t>(written));
-  }
-  return true;
-}
 
 }  // namespace
 
@@ -66,10 +34,10 @@ Status write_file_atomically(const fs::path& named, std::string_view content) {
   if (!file.valid()) {
     return fail(creation_error(),
                 "{}: can't create: {}; check that the folder {} exists and is writable",
-                path.string(), reason(), folder.string());
+                path.string(), system_reason(), folder.string());
   }
   const auto give_up = [&]() -> Status {
-    const std::string why = reason();
+    const std::string why = system_reason();
     ::unlink(temporary.c_str());
     return fail(ErrorKind::io, "{}: can't write {} bytes: {}; the earlier content is unchanged",
                 path.string(), content.size(), why);
@@ -90,7 +58,7 @@ Expected<std::string> read_file(const fs::path& path, std::size_t max_bytes) {
   if (!file.valid()) {
     const bool denied = errno == EACCES || errno == EPERM;
     return fail(denied ? ErrorKind::permission : ErrorKind::no_input, "{}: can't open: {}",
-                path.string(), reason());
+                path.string(), system_reason());
   }
   struct stat status {};
   if (::fstat(file.get(), &status) != 0 || S_ISDIR(status.st_mode)) {
@@ -101,7 +69,7 @@ Expected<std::string> read_file(const fs::path& path, std::size_t max_bytes) {
   for (;;) {
     const ssize_t got = ::read(file.get(), buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return fail(ErrorKind::io, "{}: can't read: {}", path.string(), reason());
+    if (got < 0) return fail(ErrorKind::io, "{}: can't read: {}", path.string(), system_reason());
     if (got == 0) return content;
     content.append(buffer.data(), static_cast<std::size_t>(got));
     if (content.size() > max_bytes) {

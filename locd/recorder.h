@@ -1,0 +1,90 @@
+#pragma once
+
+#include <condition_variable>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "locd/frame_synchronizer.h"
+#include "locd/recording_folder.h"
+
+namespace waymark {
+
+/// How frame sets are recorded.
+struct RecorderOptions {
+  bool jpeg = false;
+  int jpeg_quality = 95;  ///< 1…100
+  int every_nth = 1;
+  RecordingBudget budget;
+  /// Added to stamps in names: wall clock minus CLOCK_MONOTONIC when the recording began.
+  Stamp name_offset{0};
+  /// Pixels of each camera's image, so that memory is there before the first set comes.
+  std::vector<std::size_t> pixels;
+};
+
+/// Turns frame sets back into captures, in a thread and with memory of its own. Whoever offers sets
+/// pays one copy of the pixels and never waits: when all memory is under way to the disk, the set
+/// is dropped and counted. start and stop from one thread, offer from another.
+class Recorder {
+ public:
+  /// Sets under way at most: what a disk that stalls for a tenth of a second holds up at 30 Hz.
+  static constexpr std::size_t kSlots = 4;
+  static constexpr Stamp kSyncPeriod = std::chrono::seconds(1);
+
+  Recorder() = default;
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// Begins a recording in `folder`; one that runs is ended first.
+  [[nodiscard]] Status start(const std::filesystem::path& folder, const RecordingFacts& facts,
+                             const RecorderOptions& options);
+  /// Ends it, with all that was taken on the disk.
+  void stop();
+
+  /// Takes every nth set's images; without a recording, nothing happens.
+  void offer(const FrameSetLease& set);
+
+  struct State {
+    bool running = false;
+    std::filesystem::path folder;
+    std::uint64_t sets = 0;        ///< in the folder
+    std::uint64_t bytes = 0;       ///< in the folder
+    std::uint64_t drops = 0;       ///< sets not taken since the start of the program
+    std::optional<Error> failure;  ///< that ended the last recording
+  };
+  [[nodiscard]] State state() const;
+
+ private:
+  struct Image {
+    FrameInfo info;
+    int width_px = 0;
+    int height_px = 0;
+    std::vector<std::uint8_t> pixels;  ///< rows without padding
+  };
+  struct Slot {
+    CameraMask cameras = 0;
+    std::vector<Image> images;  ///< per camera
+  };
+
+  void run(RecordingFolder folder);
+  [[nodiscard]] Status write(RecordingFolder& folder, const Slot& slot);
+  [[nodiscard]] std::optional<std::size_t> take_free_slot();
+  static void copy(const FrameSetLease& set, Slot& slot);
+
+  RecorderOptions options_;
+  mutable std::mutex mutex_;  ///< of everything below but the slots' content
+  std::condition_variable work_;
+  std::vector<Slot> slots_;
+  std::vector<std::size_t> free_;
+  std::vector<std::size_t> filled_;  ///< oldest first; never longer than its capacity
+  bool stopping_ = false;
+  std::uint64_t offered_ = 0;
+  State state_;
+  std::vector<std::string> encoded_;  ///< the recorder's thread only
+  std::thread thread_;
+};
+
+}  // namespace waymark

@@ -1,0 +1,274 @@
+#include "locd/recording_folder.h"
+
+#include <fcntl.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <map>
+#include <system_error>
+#include <utility>
+
+#include "core/base/atomic_file.h"
+#include "core/base/system_call.h"
+#include "core/base/text_field.h"
+
+namespace waymark {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Written files that wait for sync() at most; more are synced early.
+constexpr std::size_t kMaxUnsynced = 256;
+
+std::string_view name_of(StampQuality quality) {
+  switch (quality) {
+    case StampQuality::exact:
+      return "exact";
+    case StampQuality::arrival:
+      return "arrival";
+    case StampQuality::replayed:
+      return "replayed";
+  }
+  return "";
+}
+
+std::string capture_toml(const RecordingFacts& facts) {
+  const auto tolerance_us =
+      std::chrono::duration_cast<std::chrono::microseconds>(facts.sync_tolerance).count();
+  return fmt::format(
+      "clock = \"realtime\"\nsession = \"{}\"\nsync_tolerance_us = {}\ncodec = \"{}\"\n"
+      "software = \"waymark locd {}\"\n",
+      facts.session_id, tolerance_us, facts.codec, facts.version);
+}
+
+}  // namespace
+
+RecordingFolder::RecordingFolder(fs::path path, const RecordingFacts& facts,
+                                 const RecordingBudget& budget)
+    : path_(std::move(path)),
+      cameras_(facts.cameras),
+      ending_(facts.codec == "jpeg" ? ".jpg" : ".pgm"),
+      budget_(budget) {
+  unsynced_.reserve(kMaxUnsynced + cameras_.size());
+}
+
+Expected<RecordingFolder> RecordingFolder::open(const fs::path& path, const RecordingFacts& facts,
+                                                const RecordingBudget& budget) {
+  std::error_code failed;
+  fs::create_directories(path, failed);
+  if (failed) {
+    errno = failed.value();
+    return fail(creation_error(), "{}: can't create: {}", path.string(), system_reason());
+  }
+  RecordingFolder folder(path, facts, budget);
+  const bool empty = fs::is_empty(path, failed);
+  if (!failed && !empty) {
+    const auto earlier = read_file(path / "rig.yaml");
+    if (!earlier || *earlier != facts.rig_yaml) {
+      return fail(ErrorKind::cant_create,
+                  "{}: can't record here: it is not empty, and no recording of this rig; name "
+                  "another folder",
+                  path.string());
+    }
+  }
+  if (auto written = folder.write_texts(facts); !written) {
+    return tl::make_unexpected(written.error());
+  }
+  if (auto opened = folder.open_folders(); !opened) return tl::make_unexpected(opened.error());
+  folder.list_earlier_sets(facts.sync_tolerance);
+  if (!facts.archive.empty()) folder.list_earlier_recordings(facts.archive);
+  return folder;
+}
+
+Status RecordingFolder::write_texts(const RecordingFacts& facts) {
+  const std::pair<const char*, const std::string> texts[] = {{"rig.yaml", facts.rig_yaml},
+                                                             {"markers.toml", facts.markers_toml},
+                                                             {"capture.toml", capture_toml(facts)}};
+  for (const auto& [name, text] : texts) {
+    if (text.empty()) continue;
+    if (auto written = write_file_atomically(path_ / name, text); !written) return written;
+  }
+  return {};
+}
+
+Status RecordingFolder::open_folders() {
+  for (const std::string& camera : cameras_) {
+    const fs::path folder = path_ / camera;
+    std::error_code ignored;  // opening it says what is wrong
+    fs::create_directory(folder, ignored);
+    folders_.emplace_back(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    if (!folders_.back().valid()) {
+      return fail(creation_error(), "{}: can't create: {}", folder.string(), system_reason());
+    }
+  }
+  const fs::path table = path_ / "frames.csv";
+  const bool is_new = !fs::exists(table);
+  table_ = Descriptor(::open(table.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
+  if (!table_.valid()) {
+    return fail(creation_error(), "{}: can't create: {}", table.string(), system_reason());
+  }
+  if (is_new && !write_all(table_.get(), "camera,t_ns,exposure_ns,sequence,stamp_quality\n")) {
+    return fail(ErrorKind::io, "{}: can't write: {}", table.string(), system_reason());
+  }
+  return {};
+}
+
+void RecordingFolder::list_earlier_sets(Stamp tolerance) {
+  std::map<Stamp, SetOnDisk> found;
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    std::error_code ignored;  // what can't be listed is not counted
+    for (const auto& entry : fs::directory_iterator(path_ / cameras_[c], ignored)) {
+      const auto t_ns = parse_whole<std::int64_t>(entry.path().stem().string());
+      if (entry.path().extension() != ending_ || !t_ns) {
+        // Left half-written by a process that was killed.
+        if (entry.path().filename().string().ends_with(".part")) fs::remove(entry, ignored);
+        continue;
+      }
+      const Stamp stamp(*t_ns);
+      auto near = found.lower_bound(stamp - tolerance);
+      if (near == found.end() || near->first > stamp + tolerance) {
+        near = found.emplace(stamp, SetOnDisk{stamp, 0, {}}).first;
+      }
+      near->second.bytes += entry.file_size(ignored);
+      near->second.images.push_back({c, stamp});
+    }
+  }
+  for (auto& [stamp, set] : found) {
+    bytes_ += set.bytes;
+    sets_.push_back(std::move(set));
+  }
+}
+
+void RecordingFolder::list_earlier_recordings(const fs::path& archive) {
+  std::error_code ignored;  // what can't be listed is not deleted either
+  for (const auto& recording : fs::directory_iterator(archive, ignored)) {
+    if (fs::equivalent(recording.path(), path_, ignored)) continue;
+    if (!fs::exists(recording.path() / "rig.yaml", ignored)) continue;
+    EarlierRecording earlier{recording.path(), 0, Stamp{0}};
+    for (const auto& file : fs::recursive_directory_iterator(recording.path(), ignored)) {
+      if (!file.is_regular_file(ignored)) continue;
+      earlier.bytes += file.file_size(ignored);
+      const auto t_ns = parse_whole<std::int64_t>(file.path().stem().string());
+      if (t_ns) earlier.newest = std::max(earlier.newest, Stamp(*t_ns));
+    }
+    earlier_bytes_ += earlier.bytes;
+    earlier_.push_back(std::move(earlier));
+  }
+  std::sort(earlier_.begin(), earlier_.end(),
+            [](const auto& a, const auto& b) { return a.newest < b.newest; });
+}
+
+std::string RecordingFolder::file_name(Stamp stamp) const {
+  return fmt::format("{}{}", stamp.count(), ending_);
+}
+
+Status RecordingFolder::write_set(const std::vector<RecordedImage>& images) {
+  SetOnDisk set;
+  set.stamp = images.front().info.stamp;
+  for (const RecordedImage& image : images) set.bytes += image.bytes.size();
+  if (auto room = make_room(set.bytes, set.stamp); !room) return room;
+  for (const RecordedImage& image : images) {
+    if (auto written = write_image(image); !written) {
+      delete_set(set);
+      return written;
+    }
+    set.images.push_back({image.camera, image.info.stamp});
+  }
+  if (auto appended = append_rows(images); !appended) {
+    delete_set(set);
+    return appended;
+  }
+  bytes_ += set.bytes;
+  sets_.push_back(std::move(set));
+  return unsynced_.size() >= kMaxUnsynced ? sync() : Status{};
+}
+
+Status RecordingFolder::make_room(std::uint64_t bytes, Stamp stamp) {
+  while (has_oldest() &&
+         (oldest() < stamp - budget_.keep || earlier_bytes_ + bytes_ + bytes > budget_.max_bytes)) {
+    delete_oldest();
+  }
+  for (;;) {
+    struct statvfs disk {};
+    if (::statvfs(path_.c_str(), &disk) != 0) {
+      return fail(ErrorKind::io, "{}: can't ask for free space: {}", path_.string(),
+                  system_reason());
+    }
+    const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
+    if (free_bytes >= budget_.min_free_bytes + bytes) return {};
+    if (!has_oldest()) {
+      return fail(ErrorKind::io,
+                  "{}: {} bytes are free, {} must stay free; make room, or lower [record] "
+                  "min_free_bytes",
+                  path_.string(), free_bytes, budget_.min_free_bytes);
+    }
+    delete_oldest();
+  }
+}
+
+void RecordingFolder::delete_oldest() {
+  if (!earlier_.empty()) {
+    std::error_code ignored;  // what stays is found again by the next recording
+    std::filesystem::remove_all(earlier_.front().path, ignored);
+    earlier_bytes_ -= earlier_.front().bytes;
+    earlier_.pop_front();
+    return;
+  }
+  const SetOnDisk oldest = std::move(sets_.front());
+  sets_.pop_front();
+  bytes_ -= std::min(bytes_, oldest.bytes);
+  delete_set(oldest);
+}
+
+void RecordingFolder::delete_set(const SetOnDisk& set) {
+  for (const ImageOnDisk& image : set.images) {
+    ::unlinkat(folders_[image.camera].get(), file_name(image.stamp).c_str(), 0);
+  }
+}
+
+Status RecordingFolder::write_image(const RecordedImage& image) {
+  const int folder = folders_[image.camera].get();
+  const std::string name = file_name(image.info.stamp);
+  const std::string hidden = "." + name + ".part";
+  const auto failed = [&] {
+    const std::string why = system_reason();
+    ::unlinkat(folder, hidden.c_str(), 0);
+    return fail(ErrorKind::io, "{}: can't write: {}",
+                (path_ / cameras_[image.camera] / name).string(), why);
+  };
+  Descriptor file(::openat(folder, hidden.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  if (!file.valid() || !write_all(file.get(), image.bytes)) return failed();
+  // The kernel begins to write at once, so that the sync of a second's images is not one long stop.
+  ::sync_file_range(file.get(), 0, 0, SYNC_FILE_RANGE_WRITE);
+  if (::renameat(folder, hidden.c_str(), folder, name.c_str()) != 0) return failed();
+  unsynced_.push_back(std::move(file));
+  return {};
+}
+
+Status RecordingFolder::append_rows(const std::vector<RecordedImage>& images) {
+  std::string rows;
+  for (const RecordedImage& image : images) {
+    fmt::format_to(std::back_inserter(rows), "{},{},{},{},{}\n", cameras_[image.camera],
+                   image.info.stamp.count(), image.info.exposure.count(), image.info.sequence,
+                   name_of(image.info.quality));
+  }
+  if (write_all(table_.get(), rows)) return {};
+  return fail(ErrorKind::io, "{}: can't write: {}", (path_ / "frames.csv").string(),
+              system_reason());
+}
+
+Status RecordingFolder::sync() {
+  bool good = true;
+  for (const Descriptor& file : unsynced_) good = ::fdatasync(file.get()) == 0 && good;
+  unsynced_.clear();
+  for (const Descriptor& folder : folders_) good = ::fsync(folder.get()) == 0 && good;
+  good = ::fdatasync(table_.get()) == 0 && good;
+  if (good) return {};
+  return fail(ErrorKind::io, "{}: can't bring images to the disk: {}", path_.string(),
+              system_reason());
+}
+
+}  // namespace waymark

@@ -1,0 +1,102 @@
+#include "locd/control_socket.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+
+#include <array>
+#include <cstring>
+
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+class Client {
+ public:
+  explicit Client(const std::filesystem::path& path) : socket_(::socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast)
+    EXPECT_EQ(::connect(socket_.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
+  }
+  void send(std::string_view text) const {
+    EXPECT_EQ(::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL),
+              static_cast<ssize_t>(text.size()));
+  }
+  /// What has come so far; empty when the other side has closed or sent nothing.
+  [[nodiscard]] std::string receive() const {
+    std::array<char, 4096> buffer{};
+    const ssize_t got = ::recv(socket_.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
+    return {buffer.data(), got > 0 ? static_cast<std::size_t>(got) : 0};
+  }
+
+ private:
+  Descriptor socket_;
+};
+
+std::string echo(std::string_view request) { return "ok " + std::string(request); }
+
+TEST(ControlSocket, AnswersALineWithALine) {
+  const TemporaryFolder tmp;
+  auto socket = ControlSocket::open(tmp.path() / "control");
+  ASSERT_TRUE(socket) << socket.error().message;
+  const Client client(tmp.path() / "control");
+  client.send("sta");
+  socket->serve(echo);
+  EXPECT_EQ(client.receive(), "");
+  client.send("rt\r\nstop\n");
+  socket->serve(echo);
+  EXPECT_EQ(client.receive(), "ok start\nok stop\n");
+}
+
+TEST(ControlSocket, IsForOwnerAndGroup) {
+  const TemporaryFolder tmp;
+  const auto socket = ControlSocket::open(tmp.path() / "control");
+  ASSERT_TRUE(socket);
+  struct stat status {};
+  ASSERT_EQ(::stat((tmp.path() / "control").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 0777U, 0660U);
+}
+
+TEST(ControlSocket, TakesThePlaceOfADeadOneAndGoesAtTheEnd) {
+  const TemporaryFolder tmp;
+  tmp.write("control", "left by a process that was killed");
+  {
+    auto socket = ControlSocket::open(tmp.path() / "control");
+    ASSERT_TRUE(socket);
+    const Client client(tmp.path() / "control");
+    client.send("x\n");
+    socket->serve(echo);
+    EXPECT_EQ(client.receive(), "ok x\n");
+  }
+  EXPECT_FALSE(std::filesystem::exists(tmp.path() / "control"));
+}
+
+TEST(ControlSocket, EndlessRequestsAndManyClientsHurtNobody) {
+  const TemporaryFolder tmp;
+  auto socket = ControlSocket::open(tmp.path() / "control");
+  ASSERT_TRUE(socket);
+  const Client endless(tmp.path() / "control");
+  endless.send(std::string(100'000, 'x'));
+  socket->serve(echo);
+  std::vector<std::unique_ptr<Client>> crowd;
+  for (int i = 0; i < 20; ++i) {
+    crowd.push_back(std::make_unique<Client>(tmp.path() / "control"));
+    socket->serve(echo);
+  }
+  crowd.back()->send("still there\n");
+  socket->serve(echo);
+  EXPECT_EQ(crowd.back()->receive(), "ok still there\n");
+}
+
+TEST(ControlSocket, AFolderThatIsNotThereIsSaid) {
+  const auto socket = ControlSocket::open("/nonexistent/control");
+  ASSERT_FALSE(socket);
+  EXPECT_EQ(socket.error().kind, ErrorKind::cant_create);
+}
+
+}  // namespace
+}  // namespace waymark

@@ -1,0 +1,191 @@
+#include "locd/recorder.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "core/capture/capture_folder.h"
+#include "core/capture/image_file.h"
+#include "drivers/monotonic_clock.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_capture.h"
+
+namespace waymark {
+namespace {
+
+constexpr Stamp kStart = std::chrono::seconds(1000);
+constexpr Stamp kWall = std::chrono::seconds(1'800'000'000);
+
+RecordingFacts facts(const char* codec) {
+  RecordingFacts f;
+  f.rig_yaml = tiny_rig_yaml(2);
+  f.markers_toml = tiny_markers_toml();
+  f.session_id = "0123456789abcdef";
+  f.version = "0.1.0";
+  f.codec = codec;
+  f.cameras = {"cam0", "cam1"};
+  return f;
+}
+
+RecorderOptions options() {
+  RecorderOptions o;
+  o.budget.min_free_bytes = 0;
+  o.name_offset = kWall;
+  o.pixels = {std::size_t{64} * 48, std::size_t{64} * 48};
+  return o;
+}
+
+/// Images of two cameras whose every pixel tells camera and set; rows have padding, as buffers of
+/// devices do.
+class TwoCameras {
+ public:
+  FrameSetLease set(int index) {
+    FrameSetLease lease;
+    lease.expected = 0b11;
+    lease.cameras = 0b11;
+    for (std::size_t c = 0; c < 2; ++c) {
+      pixels_[c].assign(std::size_t{80} * 48,
+                        static_cast<std::uint8_t>(10 * index + static_cast<int>(c)));
+      FrameInfo info;
+      info.stamp = kStart + std::chrono::seconds(index);
+      lease.frames[c] = Frame(info, {pixels_[c].data(), 64, 48, 80}, nullptr, nullptr, 0);
+    }
+    return lease;
+  }
+
+ private:
+  std::array<std::vector<std::uint8_t>, 2> pixels_;
+};
+
+/// Waits for the recorder's thread; false when it takes longer than any machine needs.
+bool eventually(const std::function<bool()>& holds) {
+  const Stamp deadline = monotonic_now() + std::chrono::seconds(20);
+  while (!holds()) {
+    if (monotonic_now() > deadline) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+/// Offers one set after the other, each as soon as the one before is on disk.
+void record(Recorder& recorder, int sets) {
+  TwoCameras cameras;
+  for (int i = 0; i < sets; ++i) {
+    const std::uint64_t before = recorder.state().sets;
+    recorder.offer(cameras.set(i));
+    ASSERT_TRUE(
+        eventually([&] { return recorder.state().sets > before || !recorder.state().running; }));
+  }
+}
+
+TEST(Recorder, RecordsThePixelsAndStampsOfASet) {
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), options()));
+  record(recorder, 5);
+  recorder.stop();
+  const auto capture = open_capture_folder(tmp.path());
+  ASSERT_TRUE(capture) << capture.error().message;
+  ASSERT_EQ(capture->images.size(), 10U);
+  for (const ImageFile& file : capture->images) {
+    const auto image = read_gray_image(file.path);
+    ASSERT_TRUE(image);
+    const auto index = (file.stamp - kStart - kWall) / std::chrono::seconds(1);
+    EXPECT_EQ(file.stamp, kStart + kWall + std::chrono::seconds(index));
+    EXPECT_EQ(image->image.pixels,
+              std::vector<std::uint8_t>(std::size_t{64} * 48,
+                                        static_cast<std::uint8_t>(10 * index + file.camera)));
+  }
+  EXPECT_FALSE(recorder.state().running);
+  EXPECT_FALSE(recorder.state().failure);
+}
+
+TEST(Recorder, JpegIsACaptureToo) {
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  RecorderOptions chosen = options();
+  chosen.jpeg = true;
+  ASSERT_TRUE(recorder.start(tmp.path(), facts("jpeg"), chosen));
+  record(recorder, 2);
+  recorder.stop();
+  const auto capture = open_capture_folder(tmp.path());
+  ASSERT_TRUE(capture) << capture.error().message;
+  ASSERT_EQ(capture->images.size(), 4U);
+  EXPECT_EQ(capture->images[0].path.extension(), ".jpg");
+  EXPECT_NEAR(read_gray_image(capture->images[3].path)->image.pixels[0], 11, 1);
+}
+
+TEST(Recorder, WhatNobodyRecordsCostsNothing) {
+  Recorder recorder;
+  TwoCameras cameras;
+  recorder.offer(cameras.set(0));
+  EXPECT_EQ(recorder.state().drops, 0U);
+}
+
+TEST(Recorder, NeverWaitsForASlowDisk) {
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), options()));
+  TwoCameras cameras;
+  constexpr int kSets = 2000;
+  for (int i = 0; i < kSets; ++i) recorder.offer(cameras.set(i % 20));  // faster than any disk
+  recorder.stop();
+  const auto state = recorder.state();
+  EXPECT_GT(state.drops, 0U);
+  EXPECT_LE(state.drops, kSets - Recorder::kSlots);
+}
+
+TEST(Recorder, EveryNthSetIsTaken) {
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  RecorderOptions chosen = options();
+  chosen.every_nth = 3;
+  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), chosen));
+  TwoCameras cameras;
+  for (int i = 0; i < 9; ++i) {
+    recorder.offer(cameras.set(i));
+    ASSERT_TRUE(
+        eventually([&] { return recorder.state().sets == static_cast<std::uint64_t>(i / 3 + 1); }));
+  }
+  recorder.stop();
+  EXPECT_EQ(open_capture_folder(tmp.path())->images.size(), 6U);
+}
+
+TEST(Recorder, AFailureEndsTheRecordingAndIsSaid) {
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  RecorderOptions chosen = options();
+  chosen.budget.min_free_bytes = std::uint64_t{1} << 60;
+  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), chosen));
+  TwoCameras cameras;
+  recorder.offer(cameras.set(0));
+  ASSERT_TRUE(eventually([&] { return !recorder.state().running; }));
+  ASSERT_TRUE(recorder.state().failure);
+  for (int i = 0; i < 100; ++i) recorder.offer(cameras.set(i));  // no effect, no wait
+  EXPECT_FALSE(recorder.state().running);
+  const TemporaryFolder other;
+  ASSERT_TRUE(recorder.start(other.path(), facts("pgm"), options()));
+  record(recorder, 1);
+  EXPECT_EQ(recorder.state().sets, 1U);
+  EXPECT_FALSE(recorder.state().failure);
+}
+
+TEST(Recorder, StartsAndStopsWhileSetsAreOffered) {
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  std::atomic<bool> done{false};
+  std::thread cameras_thread([&] {
+    TwoCameras cameras;
+    for (int i = 0; !done; i = (i + 1) % 20) recorder.offer(cameras.set(i));
+  });
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(recorder.start(tmp.path() / std::to_string(i), facts("pgm"), options()));
+    EXPECT_TRUE(eventually([&] { return recorder.state().sets > 0; }));
+    recorder.stop();
+  }
+  done = true;
+  cameras_thread.join();
+}
+
+}  // namespace
+}  // namespace waymark

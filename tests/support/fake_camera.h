@@ -1,0 +1,91 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "drivers/frame_source.h"
+#include "drivers/monotonic_clock.h"
+
+namespace waymark::test {
+
+/// A camera that gives the frames a test hands it, fails when told to, and can be stuck in a call
+/// as a bad driver is.
+class FakeCamera final : public FrameSource, public FrameLender {
+ public:
+  FakeCamera(std::string name, int width_px, int height_px)
+      : name_(std::move(name)), images_(kImages, GrayImage(width_px, height_px, 90)) {}
+
+  void give(Stamp stamp) {
+    const std::lock_guard lock(mutex_);
+    due_.push_back(stamp);
+    changed_.notify_all();
+  }
+  /// From now on start and next fail with this message; empty: they work again.
+  void fail_with(const std::string& message) {
+    const std::lock_guard lock(mutex_);
+    failure_ = message;
+    changed_.notify_all();
+  }
+  /// The next call does not return before release().
+  void get_stuck() { stuck_ = true; }
+  void release() {
+    stuck_ = false;
+    stuck_.notify_all();
+  }
+  [[nodiscard]] int lent() const { return lent_; }
+
+  [[nodiscard]] const std::string& name() const override { return name_; }
+  [[nodiscard]] Status start() override {
+    stuck_.wait(true);
+    const std::lock_guard lock(mutex_);
+    stopped_ = false;
+    if (!failure_.empty()) return fail(ErrorKind::unavailable, "{}", failure_);
+    return {};
+  }
+  [[nodiscard]] Expected<std::optional<Frame>> next(Stamp deadline) override {
+    stuck_.wait(true);
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, as_time_point(deadline),
+                        [&] { return stopped_ || !due_.empty() || !failure_.empty(); });
+    if (!failure_.empty()) return fail(ErrorKind::unavailable, "{}", failure_);
+    if (stopped_ || due_.empty()) return std::nullopt;
+    FrameInfo info;
+    info.stamp = due_.front();
+    info.arrival = monotonic_now();
+    info.sequence = sequence_++;
+    due_.pop_front();
+    ++lent_;
+    GrayImage& image = images_[info.sequence % kImages];
+    // No two images are alike, as of a real sensor.
+    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
+      image.pixels[i] = static_cast<std::uint8_t>(60 + (7 * i + 13 * info.sequence) % 101);
+    }
+    return Frame(info, image.view(), nullptr, this, 0);
+  }
+  void stop() override {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    changed_.notify_all();
+  }
+  void take_back(std::uint32_t /*slot*/) noexcept override { --lent_; }
+
+ private:
+  static constexpr std::size_t kImages = 8;  ///< more than are ever lent at a time
+
+  std::string name_;
+  std::vector<GrayImage> images_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Stamp> due_;
+  std::string failure_;
+  bool stopped_ = false;
+  std::uint64_t sequence_ = 0;
+  std::atomic<int> lent_{0};
+  std::atomic<bool> stuck_{false};
+};
+
+}  // namespace waymark::test
