@@ -192,6 +192,7 @@ void Daemon::turn(Stamp now) {
 void Daemon::Parts::look_at_cameras(Stamp now) {
   cameras.clear();
   for (std::size_t c = 0; c < setup.rig.cameras.size(); ++c) cameras.push_back(capture.state(c));
+  report.judge(cameras, now);
   const Stamp grace = std::chrono::seconds(2);
   pass_on(report.camera_alerts(cameras, now, grace), now);
   bool all_run = true;

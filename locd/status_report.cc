@@ -5,6 +5,11 @@
 namespace waymark {
 namespace {
 
+/// A camera that delivered so recently is there, however fast it is otherwise.
+constexpr Stamp kAlive = std::chrono::seconds(1);
+/// Cameras are not slower than this.
+constexpr Stamp kSlowest = std::chrono::seconds(10);
+
 double rate_hz(std::uint64_t count, Stamp interval) {
   const double seconds = std::chrono::duration<double>(interval).count();
   return seconds > 0 ? static_cast<double>(count) / seconds : 0;
@@ -18,9 +23,25 @@ std::int8_t state_of(const RigCapture::CameraState& camera) {
 
 }  // namespace
 
-StatusReport::StatusReport(const Rig& rig)
-    : missing_(rig.cameras.size(), false), last_frames_(rig.cameras.size(), 0) {
-  for (const RigCamera& camera : rig.cameras) names_.push_back(camera.name);
+StatusReport::StatusReport(const Rig& rig) {
+  for (const RigCamera& camera : rig.cameras) cameras_.emplace_back().name = camera.name;
+}
+
+void StatusReport::judge(std::vector<RigCapture::CameraState>& states, Stamp now) {
+  for (std::size_t c = 0; c < states.size(); ++c) {
+    RigCapture::CameraState& state = states[c];
+    Memory& memory = cameras_[c];
+    const std::uint64_t came = state.frames - memory.frames_judged;
+    if (came > 0) {
+      const Stamp period = (state.last_frame - memory.last_frame) / static_cast<Stamp::rep>(came);
+      // A longer pause is a camera that was away.
+      if (memory.frames_judged > 0 && period < kSlowest) memory.period = period;
+      memory.frames_judged = state.frames;
+      memory.last_frame = state.last_frame;
+    }
+    state.running =
+        state.frames > 0 && now - state.last_frame < std::max(kAlive, 3 * memory.period);
+  }
 }
 
 std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::CameraState>& states,
@@ -30,8 +51,8 @@ std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::Cam
   for (std::size_t c = 0; c < states.size(); ++c) {
     const bool may_still_come = states[c].frames == 0 && now - *first_look_ < grace;
     const bool missing = !states[c].running && !may_still_come;
-    if (missing == missing_[c]) continue;
-    missing_[c] = missing;
+    if (missing == cameras_[c].missing) continue;
+    cameras_[c].missing = missing;
     Alert alert;
     alert.kind = AlertKind::camera_missing;
     alert.raised = missing;
@@ -58,15 +79,15 @@ void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
       dropped[r] += state.dropped[r];
     }
     damaged += state.damaged;
-    camera.name = names_[c];
+    camera.name = cameras_[c].name;
     camera.state = state_of(state);
     camera.usable = static_cast<std::int8_t>((counts.unhealthy & camera_bit(c)) == 0);
-    camera.rate_hz = rate_hz(state.frames - last_frames_[c], interval);
+    camera.rate_hz = rate_hz(state.frames - cameras_[c].frames_filled, interval);
     camera.frames = static_cast<std::int64_t>(state.frames);
     camera.dropped = static_cast<std::int64_t>(unused);
     camera.starts = static_cast<std::int64_t>(state.starts);
     camera.error = state.error;
-    last_frames_[c] = state.frames;
+    cameras_[c].frames_filled = state.frames;
   }
   status.drop_reason.clear();
   status.drops.clear();

@@ -16,6 +16,10 @@ class StatusReport {
  public:
   explicit StatusReport(const Rig& rig);
 
+  /// Corrects `running` for slow cameras: one runs that delivered within a second, or within three
+  /// of its own periods.
+  void judge(std::vector<RigCapture::CameraState>& states, Stamp now);
+
   /// Raised or over: a camera that delivers nothing for a second. A camera that never delivered is
   /// missing from `grace` after the first look on.
   [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
@@ -30,9 +34,15 @@ class StatusReport {
                                         const std::vector<RigCapture::CameraState>& states);
 
  private:
-  std::vector<std::string> names_;
-  std::vector<bool> missing_;
-  std::vector<std::uint64_t> last_frames_;
+  struct Memory {
+    std::string name;
+    bool missing = false;
+    std::uint64_t frames_judged = 0;
+    Stamp last_frame{0};
+    Stamp period = std::chrono::seconds(1);  ///< between frames; until two came, a slow guess
+    std::uint64_t frames_filled = 0;         ///< when rates were computed last
+  };
+  std::vector<Memory> cameras_;
   std::uint64_t last_sets_ = 0;
   std::optional<Stamp> first_look_;
 };

@@ -1,0 +1,102 @@
+#!/usr/bin/env python3
+"""Kills a recording locd at random moments; what is there must be a capture that mapbuilder reads.
+
+Usage: kill_while_recording.py LOCD MAPBUILDER SIMULATOR [TIMES]
+
+Every frame that frames.csv lists is there and whole, at most one set's images lie beside them, and at
+most one image was being written.
+"""
+
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+CONFIG = """[rig]
+camchain = "room/rig.yaml"
+{cameras}
+[sync]
+deadline_ms = 40
+[lcm]
+url = "memq://"
+[record]
+codec = "{codec}"
+min_free_bytes = 0
+"""
+CAMERA = '[[camera]]\nname = "cam{}"\ndriver = "replay"\ndevice = "room"\n'
+
+
+def render(simulator, folder):
+    """A capture of three small cameras, played at its own pace: 10 sets a second."""
+    subprocess.run([simulator, "render", "--scene", "room1", "--rig", "cg120", "--positions", "4", "-o",
+                    folder / "room"], check=True, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    for camera in ("cam0", "cam1", "cam2"):
+        images = sorted((folder / "room" / camera).iterdir())
+        for i, image in enumerate(images):
+            image.rename(image.with_name(f"{(i + 1) * 50_000_000}{image.suffix}"))
+    for stale in ("frames.csv", "detections.csv"):
+        (folder / "room" / stale).unlink(missing_ok=True)
+
+
+def kill_once(locd, folder, capture, moment_s):
+    environment = dict(os.environ, RUNTIME_DIRECTORY=str(folder / "run"), STATE_DIRECTORY=str(folder))
+    (folder / "run").mkdir(exist_ok=True)
+    process = subprocess.Popen([locd, "--config", folder / "locd.toml", "--record", capture],
+                               env=environment, stderr=subprocess.DEVNULL)
+    cam0 = capture / "cam0"
+    while process.poll() is None and not (cam0.is_dir() and any(cam0.iterdir())):
+        time.sleep(0.002)
+    time.sleep(moment_s)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+
+
+def judge(mapbuilder, capture):
+    """What is wrong with the capture; empty: nothing."""
+    rows = [line.split(",") for line in (capture / "frames.csv").read_text(encoding="utf-8").splitlines()[1:]]
+    for camera in ("cam0", "cam1", "cam2"):
+        recorded = {row[1] for row in rows if row[0] == camera}
+        there = {f.stem for f in (capture / camera).iterdir() if not f.name.startswith(".")}
+        if recorded - there:
+            return f"{camera} lacks {len(recorded - there)} frames that were recorded"
+        if len(there - recorded) > 1:
+            return f"{camera} has {len(there - recorded)} frames of sets that were not finished"
+    halves = [f for f in capture.rglob(".*.part")]
+    if len(halves) > 1:
+        return f"{len(halves)} images were begun at a time"
+    run = subprocess.run([mapbuilder, "detect", capture, "-o", capture / "detections.csv"],
+                         capture_output=True, text=True, check=False)
+    (capture / "detections.csv").unlink(missing_ok=True)
+    if run.returncode != 0 or "skipped" in run.stderr:
+        return f"mapbuilder: {run.returncode}: {run.stderr.strip()}"
+    return ""
+
+
+def main():
+    locd, mapbuilder, simulator = sys.argv[1:4]
+    times = int(sys.argv[4]) if len(sys.argv) > 4 else 100
+    moments = random.Random(7)
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        render(simulator, folder)
+        cameras = "".join(CAMERA.format(c) for c in range(3))
+        bad = 0
+        for i in range(times):
+            (folder / "locd.toml").write_text(
+                CONFIG.format(cameras=cameras, codec="pgm" if i % 2 == 0 else "jpeg"), encoding="utf-8")
+            capture = folder / f"recording{i}"
+            kill_once(locd, folder, capture, moments.uniform(0, 0.4))
+            wrong = judge(mapbuilder, capture)
+            if wrong:
+                print(f"kill {i}: {wrong}")
+                bad += 1
+        print(f"{times} kills, {bad} captures with more lost than the frame being written")
+        return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
