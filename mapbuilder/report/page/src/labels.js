@@ -1,5 +1,8 @@
 // Labels that don't lie on one another: the important ones first, each where there is room.
 
+/** So many are tried at most: no canvas has room for more labels, and a frame must not take long. */
+const MOST_TRIED = 1500;
+
 /** Directions on the canvas in which a label may stand; diagonal ones are second choice. */
 const SIDES = [-1, 0, 1].flatMap((x) => [-1, 0, 1].map((y) => [x, y])).filter(([x, y]) => x || y);
 
@@ -42,7 +45,8 @@ export function placeLabels(anchors, reserved, height, { width, height: canvasHe
   };
   for (const box of reserved) take(...box);
   const shown = [];
-  for (const anchor of [...anchors].sort((a, b) => b.priority - a.priority)) {
+  const wanted = [...anchors].sort((a, b) => b.priority - a.priority).slice(0, MOST_TRIED);
+  for (const anchor of wanted) {
     const offsets = places(anchor, height);
     const fits = offsets.find(([dx, dy]) => free(anchor.x + dx, anchor.y + dy, anchor.width, height));
     const place = fits ?? (anchor.must ? offsets[0] : null);

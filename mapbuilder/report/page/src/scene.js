@@ -193,7 +193,7 @@ export class SceneView {
     this.scene.add(...this.#markers());
     if (this.choice.get("normals")) this.scene.add(this.#normals());
     if (this.choice.get("enlarge") > 0) this.scene.add(this.#ellipsoids());
-    if (this.choice.get("truth")) this.scene.add(...this.#tracks("truePieces", "truth", 6));
+    if (this.choice.get("truth")) this.scene.add(...this.#tracks("truePieces", "truth", 5));
     if (this.choice.get("track")) this.scene.add(...this.#tracks("pieces", "track", 2));
     this.ring = new Mesh(
       new RingGeometry(0.92, 1.08, 48),
@@ -264,7 +264,8 @@ export class SceneView {
   #ellipsoids() {
     const known = this.submap.markers.filter((marker) => marker.covariance);
     const mesh = new InstancedMesh(
-      new SphereGeometry(1, 20, 14),
+      // Of thousands none is large on the screen.
+      known.length > 1000 ? new SphereGeometry(1, 8, 6) : new SphereGeometry(1, 20, 14),
       new MeshBasicMaterial({ color: this.#colour("sigma"), transparent: true, opacity: 0.28, depthWrite: false }),
       known.length);
     const enlarge = this.choice.get("enlarge");
