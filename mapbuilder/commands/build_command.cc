@@ -40,6 +40,26 @@ void print_survey(const BuildResult& result, std::ostream& out) {
   }
 }
 
+/// The survey as the report shows it, against the first sub-map.
+std::vector<ReportSurveyEntry> survey_of(const BuildResult& result) {
+  std::vector<ReportSurveyEntry> entries;
+  for (const SurveyResidual& residual : result.submaps.front().survey) {
+    ReportSurveyEntry entry;
+    entry.entry = residual.entry;
+    entry.markers = residual.markers;
+    entry.is_point = residual.point;
+    entry.check = residual.use == SurveyUse::check;
+    entry.sigma_m = residual.sigma_m;
+    if (!residual.point) entry.measured_m = residual.measured_m;
+    if (residual.mapped) {
+      entry.residual_m = residual.residual_m;
+      if (!residual.point) entry.mapped_m = residual.measured_m + residual.residual_m;
+    }
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
 /// The family that a bare number means; nullopt where several meet.
 std::optional<Family> only_family_of(const ObservationTable& table) {
   if (table.several_families() || table.markers.empty()) return std::nullopt;
@@ -137,6 +157,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   if (options.report) {
     Report report = report_of_build(result, *table, truths);
     report.findings = findings;
+    report.survey = survey_of(result);
     report.map_name = options.output.filename().string();
     auto written = ReportFolder::write(*options.report, report);
     if (!written) return tl::make_unexpected(written.error());

@@ -64,9 +64,7 @@ Finding poor_fit_found(const BuiltSubMap& submap) {
 Finding single_views_found(std::vector<MarkerId> markers) {
   Finding finding;
   finding.kind = FindingKind::one_view;
-  finding.title = fmt::format("{} on one view",
-                              markers.size() == 1 ? std::string("1 marker rests")
-                                                  : fmt::format("{} markers rest", markers.size()));
+  finding.title = fmt::format("{}: one view, not verified", plural(markers.size(), "marker"));
   finding.evidence =
       "No second view of a rig that other markers place as well confirms where they are; a wrong "
       "id would not be noticed.";

@@ -247,6 +247,7 @@ std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observa
   for (const SurveyedPoint& point : survey.points) {
     SurveyResidual residual;
     residual.entry = format_place(point.place, with_family);
+    residual.markers = {point.place.marker};
     residual.point = true;
     residual.use = point.use;
     residual.sigma_m = point.sigma_m;
@@ -259,6 +260,7 @@ std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observa
     SurveyResidual residual;
     residual.entry =
         format_place(distance.from, with_family) + " – " + format_place(distance.to, with_family);
+    residual.markers = {distance.from.marker, distance.to.marker};
     residual.use = distance.use;
     residual.measured_m = distance.distance_m;
     residual.sigma_m = distance.sigma_m;

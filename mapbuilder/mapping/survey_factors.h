@@ -12,8 +12,9 @@ namespace waymark {
 
 /// How well one entry of the survey agrees with the map.
 struct SurveyResidual {
-  std::string entry;   ///< "24 bottom-left – 60 bottom-left"
-  bool point = false;  ///< else a distance
+  std::string entry;              ///< "24 bottom-left – 60 bottom-left"
+  std::vector<MarkerId> markers;  ///< concerned
+  bool point = false;             ///< else a distance
   SurveyUse use = SurveyUse::fit;
   bool mapped = false;    ///< all its markers are in this sub-map; else nothing below is said
   double measured_m = 0;  ///< the distance; 0 for a point

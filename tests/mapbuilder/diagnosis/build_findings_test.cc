@@ -59,7 +59,7 @@ TEST(BuildFindings, MarkersOfOneViewAreNamedAndNoOthers) {
   const auto findings = build_findings(build.result, build.table);
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].kind, FindingKind::one_view);
-  EXPECT_EQ(findings[0].title, "1 marker rests on one view");
+  EXPECT_EQ(findings[0].title, "1 marker: one view, not verified");
   EXPECT_EQ(findings[0].markers, (std::vector<MarkerId>{{Family::tag36h11, 7}}));
   EXPECT_EQ(findings[0].submap, 0U);
 }
