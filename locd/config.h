@@ -34,7 +34,7 @@ struct Config {
     std::optional<double> exposure_us;
     std::optional<double> gain;
     std::optional<double> readout_us;  ///< µs, rolling shutter, first to last row; else rig.yaml's
-    double stamp_delay_us = 0;         ///< µs, added to every stamp of the camera
+    double stamp_delay_us = 0;         ///< µs, taken off every stamp of the camera
     bool operator==(const Camera&) const = default;
   };
   std::vector<Camera> cameras;

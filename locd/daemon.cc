@@ -98,7 +98,7 @@ struct Daemon::Parts {
         several_families(map.several_families),
         quarantine{map.map_hash, quarantine_of(map.map_hash, quarantine_file())},
         telemetry(setup.config.lcm, session_of(setup, map), read_clocks()),
-        capture(std::move(sources), sync_options(setup.config)),
+        capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
         localization(capture, telemetry, std::move(map),
                      [this](const FrameSetLease& set) { recorder.offer(set); }),
         report(setup.rig) {}

@@ -190,4 +190,12 @@ SyncOptions sync_options(const Config& config) {
   return options;
 }
 
+std::vector<Stamp> stamp_delays(const Config& config) {
+  std::vector<Stamp> delays;
+  for (const Config::Camera& camera : config.cameras) {
+    delays.push_back(from_us(camera.stamp_delay_us));
+  }
+  return delays;
+}
+
 }  // namespace waymark

@@ -39,5 +39,7 @@ struct Setup {
 /// The configuration in the localizer's terms.
 [[nodiscard]] LocalizerOptions localizer_options(const Config& config);
 [[nodiscard]] SyncOptions sync_options(const Config& config);
+/// Per camera, what is taken off its stamps.
+[[nodiscard]] std::vector<Stamp> stamp_delays(const Config& config);
 
 }  // namespace waymark

@@ -48,7 +48,7 @@ def kill_once(locd, folder, capture, moment_s):
     process = subprocess.Popen([locd, "--config", folder / "locd.toml", "--record", capture],
                                env=environment, stderr=subprocess.DEVNULL)
     cam0 = capture / "cam0"
-    while process.poll() is None and not (cam0.is_dir() and any(cam0.iterdir())):
+    while process.poll() is None and not (cam0.is_dir() and any(f.suffix != ".part" for f in cam0.iterdir())):
         time.sleep(0.002)
     time.sleep(moment_s)
     process.send_signal(signal.SIGKILL)
