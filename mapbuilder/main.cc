@@ -115,6 +115,12 @@ Command add_build(CLI::App& app, Progress& progress) {
       ->check(CLI::IsMember({"extrinsics", "intrinsics", "sizes"}));
   sub->add_option("--refined-rig", options->refined_rig,
                   "where a refined rig is written; default: MAP with .yaml, numbered if several");
+  sub->add_option("--frame-of", options->frame_of, "keep the world of this earlier map");
+  static const std::map<std::string, LevelBy> levels{{"floor", LevelBy::floor},
+                                                     {"walls", LevelBy::walls}};
+  sub->add_option("--level", options->level, "z up by markers on the floor, or on walls")
+      ->transform(CLI::CheckedTransformer(levels))
+      ->excludes("--frame-of");
   sub->add_flag("--strict", options->strict, "several sub-maps are an error");
   add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);

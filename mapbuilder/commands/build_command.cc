@@ -9,6 +9,7 @@
 #include "core/map/map_file.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
+#include "mapbuilder/diagnosis/frame_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
@@ -104,6 +105,37 @@ std::vector<CaptureTruth> read_truths(const std::vector<DetectedCapture>& captur
   return truths;
 }
 
+/// Lays the result into the world of an earlier map, its first sub-map into the first that fits;
+/// says what moved, appeared and vanished.
+std::vector<Finding> take_frame_of(const MarkerMap& earlier, BuildResult& result) {
+  for (const SubMap& old : earlier.submaps) {
+    const auto comparison = compare_frames(result.submaps.front().map, old);
+    if (!comparison) continue;
+    move_world(result.submaps.front(), comparison->old_from_new);
+    result.submaps.front().map.frame = old.frame;
+    result.map.submaps.front() = result.submaps.front().map;
+    return frame_findings(*comparison);
+  }
+  return {frame_not_found()};
+}
+
+/// Turns every sub-map so that z points up. Error: bad_data where the markers don't tell.
+Status level_maps(LevelBy by, const ObservationTable& table, BuildResult& result) {
+  for (std::size_t i = 0; i < result.submaps.size(); ++i) {
+    BuiltSubMap& submap = result.submaps[i];
+    const auto level = level_world(submap, by, camera_up_in_world(submap, table));
+    if (!level) {
+      return fail(ErrorKind::bad_data,
+                  "--level: sub-map {}: its {} markers don't tell where up is: by walls it takes "
+                  "walls that face different ways, by floor at least 2 markers; nothing written",
+                  i, submap.map.markers.size());
+    }
+    move_world(submap, *level);
+    result.map.submaps[i] = submap.map;
+  }
+  return {};
+}
+
 }  // namespace
 
 Status run_build(const BuildCommandOptions& options, Progress& progress, std::ostream& out,
@@ -128,6 +160,12 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   if (!table) return tl::make_unexpected(table.error());
 
   BuildOptions build = options.build;
+  std::optional<MarkerMap> earlier;
+  if (options.frame_of) {
+    auto map = read_map_file(*options.frame_of);
+    if (!map) return tl::make_unexpected(map.error());
+    earlier = *std::move(map);
+  }
   if (options.survey) {
     auto survey = read_survey(*options.survey, only_family_of(*table));
     if (!survey) return tl::make_unexpected(survey.error());
@@ -135,7 +173,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
-  const BuildResult result = build_map(*table, build, progress);
+  BuildResult result = build_map(*table, build, progress);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   if (result.submaps.empty()) {
     return fail(ErrorKind::bad_data,
@@ -145,6 +183,12 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 table->observations.size());
   }
   std::vector<Finding> findings = calibration_findings(result, build);
+  if (earlier) {
+    for (Finding& finding : take_frame_of(*earlier, result)) findings.push_back(std::move(finding));
+  }
+  if (options.level) {
+    if (auto levelled = level_maps(*options.level, *table, result); !levelled) return levelled;
+  }
   for (Finding& finding : build_findings(result, *table)) findings.push_back(std::move(finding));
   for (const Finding& finding : findings) {
     fmt::print(notes, "{}\n", one_line(finding, table->several_families()));

@@ -9,11 +9,13 @@
 #include "core/base/progress.h"
 #include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/mapping/map_builder.h"
+#include "mapbuilder/mapping/world_frame.h"
 
 namespace waymark {
 
 /// `mapbuilder build CAPTURE... -o MAP [--trajectory RIG.tum] [--report DIR] [--mono] [--threads N]
-/// [--survey FILE] [--refine extrinsics,intrinsics,sizes] [--refined-rig FILE] [--strict]
+/// [--survey FILE] [--refine extrinsics,intrinsics,sizes] [--refined-rig FILE]
+/// [--frame-of MAP] [--level floor|walls] [--strict]
 /// [--redetect] [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`, or with
 /// `VIDEO... --rig FILE --markers FILE [--every N] [--sync]` in the captures' place
 struct BuildCommandOptions {
@@ -23,6 +25,8 @@ struct BuildCommandOptions {
   std::optional<std::filesystem::path> report;       ///< folder for summary.json and a page
   std::optional<std::filesystem::path> survey;       ///< survey.toml
   std::optional<std::filesystem::path> refined_rig;  ///< camchain to write; default beside the map
+  std::optional<std::filesystem::path> frame_of;     ///< an earlier map whose world is kept
+  std::optional<LevelBy> level;                      ///< what makes z point up
   bool mono = false;
   bool strict = false;  ///< several sub-maps are an error and nothing is written
   BuildOptions build;

@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "mapbuilder/evaluate/trajectory.h"
+#include "mapbuilder/mapping/world_frame.h"
 
 namespace waymark {
 namespace {
@@ -113,20 +114,6 @@ void add_truth(const CaptureTruth& truth, std::vector<ReportTrack>& tracks) {
     track.true_poses = true_poses(track, truth, map_from_truth);
     track.rmse_to_true = accuracy->rmse;
   }
-}
-
-Eigen::Vector3d camera_up_in_world(const BuiltSubMap& submap, const ObservationTable& table) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  double count = 0;
-  for (const LocalizedFrameSet& localized : submap.trajectory) {
-    const TableFrameSet& set = frame_set_of(table, localized.frame_set);
-    for (const RigCamera& camera : table.rigs[static_cast<std::size_t>(set.rig)].cameras) {
-      sum -= localized.world_from_rig.rotation *
-             (camera.rig_from_cam.rotation * Eigen::Vector3d::UnitY());
-      count += 1;
-    }
-  }
-  return count == 0 ? sum : Eigen::Vector3d(sum / count);
 }
 
 }  // namespace
