@@ -114,38 +114,6 @@ JointUnknowns minimize(JointProblem& problem, const AdjustmentOptions& options,
   return here;
 }
 
-/// Priors and survey of the scope.
-std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope,
-                                                    const ObservationTable& table,
-                                                    const JointProblem& problem) {
-  std::vector<std::unique_ptr<KeptFactor>> factors;
-  if (scope.survey != nullptr) {
-    factors = survey_factors(*scope.survey, table, problem, scope.world_is_facility);
-  }
-  if (scope.free.sizes) {
-    std::map<int, double> already;
-    for (std::size_t m = 0; m < table.markers.size(); ++m) {
-      already.emplace(problem.size_class_of(static_cast<int>(m)),
-                      table.sizes_m[m] / table.stated_sizes_m[m]);
-    }
-    for (const auto& [size_class, factor] : already) {
-      factors.push_back(
-          size_prior(problem, static_cast<std::size_t>(size_class), factor, scope.size_sigma));
-    }
-  }
-  for (const HeldDirection& direction : scope.held_directions) {
-    factors.push_back(
-        direction_hold(problem, scope.stated_cameras, direction.extrinsics, direction.focal));
-  }
-  if (scope.free.edge_bias) {
-    for (std::size_t c = 0; c < problem.start().cameras.size(); ++c) {
-      factors.push_back(
-          edge_bias_prior(problem, c, table.edge_bias_px[c], scope.edge_bias_sigma_px));
-    }
-  }
-  return factors;
-}
-
 /// See CalibrationUncertainty::joint; zero rows where nothing is free.
 Eigen::MatrixXd joint_covariance(const KeptLayout& layout, const BlockCholesky& cholesky) {
   std::vector<int> kept_row;  // −1: not free
@@ -217,6 +185,37 @@ void calibrate(const JointProblem& problem, const JointUnknowns& optimum, int th
 }
 
 }  // namespace
+
+std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope,
+                                                    const ObservationTable& table,
+                                                    const JointProblem& problem) {
+  std::vector<std::unique_ptr<KeptFactor>> factors;
+  if (scope.survey != nullptr) {
+    factors = survey_factors(*scope.survey, table, problem, scope.world_is_facility);
+  }
+  if (scope.free.sizes) {
+    std::map<int, double> already;
+    for (std::size_t m = 0; m < table.markers.size(); ++m) {
+      already.emplace(problem.size_class_of(static_cast<int>(m)),
+                      table.sizes_m[m] / table.stated_sizes_m[m]);
+    }
+    for (const auto& [size_class, factor] : already) {
+      factors.push_back(
+          size_prior(problem, static_cast<std::size_t>(size_class), factor, scope.size_sigma));
+    }
+  }
+  for (const HeldDirection& direction : scope.held_directions) {
+    factors.push_back(
+        direction_hold(problem, scope.stated_cameras, direction.extrinsics, direction.focal));
+  }
+  if (scope.free.edge_bias) {
+    for (std::size_t c = 0; c < problem.start().cameras.size(); ++c) {
+      factors.push_back(
+          edge_bias_prior(problem, c, table.edge_bias_px[c], scope.edge_bias_sigma_px));
+    }
+  }
+  return factors;
+}
 
 AdjustmentSummary adjust_jointly(ObservationTable& table, std::span<const std::size_t> observations,
                                  const HeldPoses& held, const AdjustmentOptions& options,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 
 #include "mapbuilder/import/survey.h"
@@ -28,6 +29,12 @@ struct AdjustmentScope {
   std::vector<HeldDirection> held_directions;
   std::vector<RigCamera> stated_cameras;  ///< of all rigs: where held directions are held
 };
+
+/// The scope's residuals beside the corners': survey, priors, held directions, on what takes part
+/// in the problem.
+[[nodiscard]] std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope,
+                                                                  const ObservationTable& table,
+                                                                  const JointProblem& problem);
 
 /// How sure an adjustment is of what it has calibrated: one standard deviation each; infinite where
 /// nothing is determined.

@@ -445,7 +445,7 @@ BuiltSubMap describe(const ObservationTable& table, const ComponentBuilder& buil
   result.map.frame_sets = static_cast<std::uint32_t>(result.trajectory.size());
 
   const MarkerInformation information = marker_information(
-      table, observations, options.loss, effective_threads(options.threads), state);
+      table, observations, options.loss, scope, effective_threads(options.threads), state);
   const std::vector<Matrix6d> covariances = marker_covariances(information);
   result.covariances_known = !covariances.empty() || part.markers.size() < 2;
   const Matrix6d turn = left_motion_jacobian(world_from_built);

@@ -23,10 +23,10 @@ Eigen::MatrixXd world_motions(const std::vector<Rigid3>& markers, const Eigen::V
 }
 
 /// The marker whose place is known best: the one with the largest information about it.
-int best_known(const BlockMatrix& information) {
+int best_known(const BlockMatrix& information, int markers) {
   int best = 0;
   double most = -1;
-  for (int i = 0; i < information.pattern.columns(); ++i) {
+  for (int i = 0; i < markers; ++i) {
     const int diagonal = information.pattern.first[static_cast<std::size_t>(i)];
     const double trace =
         information.blocks[static_cast<std::size_t>(diagonal)].diagonal().head<3>().sum();
@@ -60,14 +60,17 @@ void fix(BlockMatrix& information, int marker) {
 
 MarkerInformation marker_information(const ObservationTable& table,
                                      std::span<const std::size_t> observations,
-                                     const ObservationLoss& loss, int threads,
-                                     const MapState& state) {
+                                     const ObservationLoss& loss, const AdjustmentScope& scope,
+                                     int threads, const MapState& state) {
   std::vector<std::size_t> used;
   for (const std::size_t index : observations) {
     if (state.accepted[index] != 0 && state.posed(table.observations[index])) used.push_back(index);
   }
-  JointProblem problem(table, used, state, {}, {}, loss, threads);
+  JointProblem problem(table, used, state, {}, scope.free, loss, threads);
+  const auto factors = factors_of(scope, table, problem);
+  for (const auto& factor : factors) problem.add(*factor);
   MarkerInformation result;
+  result.world_is_fixed = scope.world_is_facility;
   result.information = problem.reduce(problem.start(), 0.0).information;
   result.markers = problem.markers();
   result.world_from_marker = problem.start().world_from_marker;
@@ -84,7 +87,14 @@ std::vector<Matrix6d> marker_covariances(const MarkerInformation& information) {
     positions.push_back(pose.translation);
     centre += pose.translation / count;
   }
-  const int anchor = best_known(information.information);
+  if (information.world_is_fixed) {
+    BlockCholesky cholesky(information.information.pattern);
+    if (!cholesky.factorize(information.information)) return {};
+    std::vector<Matrix6d> covariances = cholesky.inverse_diagonal();
+    covariances.resize(information.markers.size());
+    return covariances;
+  }
+  const int anchor = best_known(information.information, count);
   BlockMatrix fixed = information.information;
   fix(fixed, anchor);
   BlockCholesky cholesky(fixed.pattern);
@@ -98,9 +108,11 @@ std::vector<Matrix6d> marker_covariances(const MarkerInformation& information) {
   }
   const Matrix6d gauge = (g.transpose() * n).inverse();
   // S⁻ G, with zero rows for the fixed marker.
-  Eigen::MatrixXd g_free = g;
+  // Calibration has no part in the world's motion.
+  Eigen::MatrixXd g_free = Eigen::MatrixXd::Zero(6 * fixed.pattern.columns(), 6);
+  g_free.topRows(6 * count) = g;
   g_free.middleRows<6>(6 * anchor).setZero();
-  const Eigen::MatrixXd cg = cholesky.solve(g_free);
+  const Eigen::MatrixXd cg = cholesky.solve(g_free).topRows(6 * count);
   const Matrix6d gcg = g.transpose() * cg;
 
   std::vector<Matrix6d> covariances;

@@ -48,7 +48,7 @@ class SmallRoom : public testing::Test {
 
 TEST_F(SmallRoom, TheReducedSystemIsTheSchurComplement) {
   const MapState state = test::true_state(room, table);
-  const auto system = marker_information(table, test::all_observations(table), {}, 1, state);
+  const auto system = marker_information(table, test::all_observations(table), {}, {}, 1, state);
   ASSERT_EQ(system.markers.size(), table.markers.size());
   const Eigen::MatrixXd h = dense_information(table, state);
   const auto n = static_cast<Eigen::Index>(6 * table.markers.size());
@@ -61,7 +61,7 @@ TEST_F(SmallRoom, TheReducedSystemIsTheSchurComplement) {
 
 TEST_F(SmallRoom, CovariancesAreThoseOfTheGaugeWithoutMeanMotion) {
   const MapState state = test::true_state(room, table);
-  const auto system = marker_information(table, test::all_observations(table), {}, 1, state);
+  const auto system = marker_information(table, test::all_observations(table), {}, {}, 1, state);
   const auto covariances = marker_covariances(system);
   ASSERT_EQ(covariances.size(), table.markers.size());
 
@@ -91,7 +91,7 @@ TEST_F(SmallRoom, CovariancesAreThoseOfTheGaugeWithoutMeanMotion) {
 
 TEST_F(SmallRoom, OneMarkerAloneHasNoCovariance) {
   const MapState state = test::true_state(room, table);
-  const auto system = marker_information(table, table.observations_of_marker[0], {}, 1, state);
+  const auto system = marker_information(table, table.observations_of_marker[0], {}, {}, 1, state);
   EXPECT_EQ(system.markers.size(), 1U);
   EXPECT_TRUE(marker_covariances(system).empty());
 }
