@@ -66,10 +66,10 @@ writeFileSync(output, `// Made by bundle.mjs.
 namespace waymark {
 namespace {
 
-constexpr std::string_view kBefore[] = {
+const std::string_view kBefore[] = {
 ${literals(before)}
 };
-constexpr std::string_view kAfter[] = {
+const std::string_view kAfter[] = {
 ${literals(after)}
 };
 
