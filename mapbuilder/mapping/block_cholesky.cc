@@ -141,25 +141,26 @@ bool BlockCholesky::factorize(const BlockMatrix& a) {
 
 Eigen::MatrixXd BlockCholesky::solve(const Eigen::MatrixXd& b) const {
   Eigen::MatrixXd x(b.rows(), b.cols());
-  for (int c = 0; c < columns_; ++c) x.middleRows<6>(6 * position_[at(c)]) = b.middleRows<6>(6 * c);
+  for (int c = 0; c < columns_; ++c)
+    x.middleRows<6>(6L * position_[at(c)]) = b.middleRows<6>(6L * c);
   for (int j = 0; j < columns_; ++j) {
     const Eigen::Matrix<double, 6, Eigen::Dynamic> x_j =
-        diagonal_inverse_[at(j)] * x.middleRows<6>(6 * j);
-    x.middleRows<6>(6 * j) = x_j;
+        diagonal_inverse_[at(j)] * x.middleRows<6>(6L * j);
+    x.middleRows<6>(6L * j) = x_j;
     for (int k = first_[at(j)]; k < first_[at(j) + 1]; ++k) {
-      x.middleRows<6>(6 * rows_[at(k)]).noalias() -= below_[at(k)] * x_j;
+      x.middleRows<6>(6L * rows_[at(k)]).noalias() -= below_[at(k)] * x_j;
     }
   }
   for (int j = columns_ - 1; j >= 0; --j) {
-    Eigen::Matrix<double, 6, Eigen::Dynamic> x_j = x.middleRows<6>(6 * j);
+    Eigen::Matrix<double, 6, Eigen::Dynamic> x_j = x.middleRows<6>(6L * j);
     for (int k = first_[at(j)]; k < first_[at(j) + 1]; ++k) {
-      x_j.noalias() -= below_[at(k)].transpose() * x.middleRows<6>(6 * rows_[at(k)]);
+      x_j.noalias() -= below_[at(k)].transpose() * x.middleRows<6>(6L * rows_[at(k)]);
     }
-    x.middleRows<6>(6 * j).noalias() = diagonal_inverse_[at(j)].transpose() * x_j;
+    x.middleRows<6>(6L * j).noalias() = diagonal_inverse_[at(j)].transpose() * x_j;
   }
   Eigen::MatrixXd result(b.rows(), b.cols());
   for (int c = 0; c < columns_; ++c) {
-    result.middleRows<6>(6 * c) = x.middleRows<6>(6 * position_[at(c)]);
+    result.middleRows<6>(6L * c) = x.middleRows<6>(6L * position_[at(c)]);
   }
   return result;
 }

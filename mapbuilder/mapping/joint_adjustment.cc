@@ -67,7 +67,7 @@ void damp(ReducedSystem& system, double damping) {
   for (int block = 0; block < system.information.pattern.columns(); ++block) {
     const int diagonal = system.information.pattern.first[static_cast<std::size_t>(block)];
     system.information.blocks[static_cast<std::size_t>(diagonal)].diagonal() +=
-        damping * system.kept_diagonal.segment<6>(6 * block);
+        damping * system.kept_diagonal.segment<6>(6L * block);
   }
 }
 
@@ -124,7 +124,7 @@ Eigen::MatrixXd joint_covariance(const KeptLayout& layout, const BlockCholesky& 
     for (int r = 0; r < 2; ++r) kept_row.push_back(block < 0 ? -1 : 6 * block + r);
   }
   const auto count = static_cast<Eigen::Index>(kept_row.size());
-  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * layout.blocks, count);
+  Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6L * layout.blocks, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const int row = kept_row[static_cast<std::size_t>(i)];
     if (row >= 0) unit(row, i) = 1.0;

@@ -314,13 +314,13 @@ void JointProblem::reduce_frame_set(const JointUnknowns& at, std::size_t set_slo
         const Linearized::Part& other = one.parts[b];
         if (other.block < part.block) continue;
         const Matrix6d direct = other.jacobian.transpose().lazyProduct(part.jacobian);
-        if (a == b) sums.kept_diagonal.segment<6>(6 * part.block) += direct.diagonal();
+        if (a == b) sums.kept_diagonal.segment<6>(6L * part.block) += direct.diagonal();
         sums.blocks[static_cast<std::size_t>(pattern_.find(other.block, part.block))] += direct;
       }
     }
   }
   for (std::size_t k = 0; k < set.kept.size(); ++k) {
-    sums.gradient.segment<6>(6 * set.kept[k]) += kept_gradient[k];
+    sums.gradient.segment<6>(6L * set.kept[k]) += kept_gradient[k];
   }
   if (set.fixed) return;
 
@@ -333,7 +333,7 @@ void JointProblem::reduce_frame_set(const JointUnknowns& at, std::size_t set_slo
   for (std::size_t k = 0; k < set.kept.size(); ++k) {
     Matrix6d& follow = follow_[set.first_kept + k];
     follow = factor.solve(rig_kept[k]);
-    sums.gradient.segment<6>(6 * set.kept[k]).noalias() -= rig_kept[k].transpose() * rig.offset;
+    sums.gradient.segment<6>(6L * set.kept[k]).noalias() -= rig_kept[k].transpose() * rig.offset;
     const int* rows = pattern_.rows.data();
     int block = pattern_.first[static_cast<std::size_t>(set.kept[k])];
     for (std::size_t l = k; l < set.kept.size(); ++l) {
@@ -356,7 +356,7 @@ ReducedSystem JointProblem::reduce(const JointUnknowns& at, double damping) {
   parallel_for(slices.size(), threads_, [&](std::size_t index) {
     SliceSums& sums = slices[index];
     sums.blocks.assign(pattern_.blocks(), Matrix6d::Zero());
-    sums.gradient = sums.kept_diagonal = Eigen::VectorXd::Zero(6 * layout_.blocks);
+    sums.gradient = sums.kept_diagonal = Eigen::VectorXd::Zero(6L * layout_.blocks);
     for (std::size_t s = slices_[index]; s < slices_[index + 1]; ++s) {
       reduce_frame_set(at, s, damping, sums);
     }
@@ -387,12 +387,12 @@ ReducedSystem JointProblem::reduce(const JointUnknowns& at, double damping) {
     const KeptLinearization one = factor->linearize(at);
     system.cost += 0.5 * one.residual.squaredNorm();
     for (const auto& part : one.parts) {
-      system.gradient.segment<6>(6 * part.block) += part.jacobian.transpose() * one.residual;
+      system.gradient.segment<6>(6L * part.block) += part.jacobian.transpose() * one.residual;
       for (const auto& other : one.parts) {
         if (other.block < part.block) continue;
         const Matrix6d direct = other.jacobian.transpose() * part.jacobian;
         if (other.block == part.block) {
-          system.kept_diagonal.segment<6>(6 * part.block) += direct.diagonal();
+          system.kept_diagonal.segment<6>(6L * part.block) += direct.diagonal();
         }
         const int block = pattern_.find(other.block, part.block);
         system.information.blocks[static_cast<std::size_t>(block)] += direct;
@@ -405,7 +405,7 @@ ReducedSystem JointProblem::reduce(const JointUnknowns& at, double damping) {
         system.information
             .blocks[static_cast<std::size_t>(pattern_.first[static_cast<std::size_t>(block)])];
     for (int r = 0; r < 6; ++r) {
-      if (system.kept_diagonal[6 * block + r] == 0.0) diagonal(r, r) = 1.0;
+      if (system.kept_diagonal[6L * block + r] == 0.0) diagonal(r, r) = 1.0;
     }
   }
   return system;
@@ -423,31 +423,31 @@ JointUnknowns JointProblem::moved(const JointUnknowns& from, const Eigen::Vector
   JointUnknowns to = from;
   for (int m = 0; m < layout_.markers; ++m) {
     Rigid3& pose = to.world_from_marker[static_cast<std::size_t>(m)];
-    pose = pose.plus(kept_step.segment<6>(6 * m));
+    pose = pose.plus(kept_step.segment<6>(6L * m));
   }
   for (std::size_t c = 0; c < to.cameras.size(); ++c) {
     RigCamera& camera = to.cameras[c];
     if (layout_.extrinsics[c] >= 0) {
       camera.rig_from_cam =
-          camera.rig_from_cam.plus(kept_step.segment<6>(6 * layout_.extrinsics[c]));
+          camera.rig_from_cam.plus(kept_step.segment<6>(6L * layout_.extrinsics[c]));
     }
     if (layout_.focal[c] >= 0) {
       CameraParameters parameters = camera.model.parameters();
-      const Vector6d focal = kept_step.segment<6>(6 * layout_.focal[c]);
+      const Vector6d focal = kept_step.segment<6>(6L * layout_.focal[c]);
       parameters.fu_px += focal[0];
       parameters.fv_px += focal[1];
       parameters.pu_px += focal[2];
       parameters.pv_px += focal[3];
       for (int k = 0; layout_.lens[c] >= 0 && k < 4; ++k) {
-        parameters.coefficients[static_cast<std::size_t>(k)] += kept_step[6 * layout_.lens[c] + k];
+        parameters.coefficients[static_cast<std::size_t>(k)] += kept_step[6L * layout_.lens[c] + k];
       }
       // Out of the model's domain: the camera stays as it was, the cost tells.
       if (auto model = CameraModel::create(parameters)) camera.model = *model;
     }
-    if (layout_.edge_bias[c] >= 0) to.edge_bias_px[c] += kept_step[6 * layout_.edge_bias[c]];
+    if (layout_.edge_bias[c] >= 0) to.edge_bias_px[c] += kept_step[6L * layout_.edge_bias[c]];
   }
   for (std::size_t k = 0; k < to.size_factor.size(); ++k) {
-    if (layout_.size[k] >= 0) to.size_factor[k] += kept_step[6 * layout_.size[k]];
+    if (layout_.size[k] >= 0) to.size_factor[k] += kept_step[6L * layout_.size[k]];
   }
 
   std::vector<double> sums(slices_.size() - 1, 0.0);
@@ -458,7 +458,7 @@ JointUnknowns JointProblem::moved(const JointUnknowns& from, const Eigen::Vector
       const EliminatedRig& rig = rigs_[s];
       Vector6d step = -rig.offset;
       for (std::size_t k = 0; k < set.kept.size(); ++k) {
-        step.noalias() -= follow_[set.first_kept + k] * kept_step.segment<6>(6 * set.kept[k]);
+        step.noalias() -= follow_[set.first_kept + k] * kept_step.segment<6>(6L * set.kept[k]);
       }
       sums[slice] += 0.5 * step.dot(rig.damping.cwiseProduct(step) - rig.gradient);
       to.world_from_rig[s] = to.world_from_rig[s].plus(step);
