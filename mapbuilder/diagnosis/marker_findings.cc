@@ -1,0 +1,171 @@
+#include "mapbuilder/diagnosis/marker_findings.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+namespace waymark {
+namespace {
+
+/// Puts a diagnosis of one table into words.
+class FindingWriter {
+ public:
+  explicit FindingWriter(const MapEvidence& evidence)
+      : evidence_(evidence), table_(evidence.table()) {}
+
+  [[nodiscard]] Finding wrong_size(const WrongSize& wrong) const {
+    Finding finding = about(FindingKind::wrong_size, wrong.marker);
+    finding.title = fmt::format("Marker {} is {:.1f} mm, not {:.1f} mm", name(wrong.marker),
+                                1e3 * wrong.fitted_m, 1e3 * wrong.stated_m);
+    finding.evidence = fmt::format(
+        "{} views by cameras that other markers place fit a size of {:.4f} ± {:.4f} m; the sizes "
+        "of {} other markers scatter by {:.2f} %. The map uses the fitted size.",
+        wrong.views, wrong.fitted_m, wrong.sigma_m, wrong.markers, 1e2 * wrong.spread);
+    finding.remedy = "Measure its black border and correct markers.toml.";
+    finding.figures = {{"stated size", wrong.stated_m, "m", {}},
+                       {"fitted size", wrong.fitted_m, "m", wrong.sigma_m},
+                       {"scatter of other markers' sizes", 1e2 * wrong.spread, "%", {}}};
+    return finding;
+  }
+
+  [[nodiscard]] Finding displaced(const DisplacedMarker& displaced) const {
+    const PlaceCluster& a = displaced.places[0];
+    const PlaceCluster& b = displaced.places[1];
+    const double apart_m =
+        (a.place.world_from_marker.translation - b.place.world_from_marker.translation).norm();
+    const double turned_deg =
+        180.0 / M_PI *
+        angle_between_rad(a.place.world_from_marker.rotation, b.place.world_from_marker.rotation);
+    const double sigma_m = std::hypot(a.sigma_m, b.sigma_m);
+    const bool twin = displaced.history.story == PlaceStory::twin;
+    const bool during = displaced.history.story == PlaceStory::moved_during_capture;
+    Finding finding = about(
+        twin ? FindingKind::twin
+             : (during ? FindingKind::moved_during_capture : FindingKind::moved_between_captures),
+        displaced.marker);
+    const std::string which = name(displaced.marker);
+    if (twin) {
+      finding.title =
+          fmt::format("Marker {} exists {} times", which,
+                      displaced.places.size() == 2 ? std::string("two")
+                                                   : fmt::format("{}", displaced.places.size()));
+      finding.evidence = fmt::format(
+          "{} views place it at one spot, {} at another one {:.3f} m away, {}. Both are kept out "
+          "of the map.",
+          a.views.size(), b.views.size(), apart_m,
+          displaced.history.interleaved
+              ? "in turn"
+              : "and nobody looked at one of the two while it should have been empty (it may also "
+                "have been moved)");
+      finding.remedy = "Take one of them down or give it another id, then record again.";
+    } else {
+      finding.title = fmt::format("Marker {} was moved by {:.3f} m {}", which, apart_m,
+                                  during ? "during a capture" : "between captures");
+      finding.evidence = fmt::format(
+          "{} views place it at one spot, {} at another; in {} frame sets it should have been seen "
+          "where it no longer, or not yet, was. {}",
+          a.views.size(), b.views.size(), displaced.history.empty_looks,
+          displaced.kept ? "The map keeps the later place."
+                         : "The captures' clocks don't tell which place is the later one; it is "
+                           "kept out of the map.");
+      finding.remedy =
+          displaced.kept
+              ? "Nothing, if it stays there; waypoints that hang on its old place are stale."
+              : "Build without the older captures.";
+    }
+    finding.figures = {{"distance between the places", apart_m, "m", sigma_m},
+                       {"turned by", turned_deg, "°", {}},
+                       {"views at the first place", static_cast<double>(a.views.size()), "", {}},
+                       {"views at the second place", static_cast<double>(b.views.size()), "", {}}};
+    std::set<int> captures;
+    for (const PlaceCluster& place : displaced.places) add_captures(place.views, captures);
+    finding.captures = names_of(captures);
+    return finding;
+  }
+
+  /// All wrong readings of one id.
+  [[nodiscard]] Finding wrong_ids(const std::vector<const WrongId*>& wrong) const {
+    constexpr std::size_t kMostListed = 50;
+    const int marker = wrong.front()->view.observation->marker;
+    Finding finding = about(FindingKind::wrong_id, marker);
+    finding.title = fmt::format(
+        "{} read as marker {} show{} something else",
+        wrong.size() == 1 ? std::string("A detection") : fmt::format("{} detections", wrong.size()),
+        name(marker), wrong.size() == 1 ? "s" : "");
+    std::set<int> captures;
+    std::set<std::string> cameras;
+    for (std::size_t i = 0; i < wrong.size(); ++i) {
+      const MarkerView& view = wrong[i]->view;
+      const TableFrameSet& set =
+          table_.frame_sets[static_cast<std::size_t>(view.observation->frame_set)];
+      captures.insert(set.capture);
+      cameras.insert(view.camera->name);
+      if (i >= kMostListed) continue;
+      finding.evidence += fmt::format(
+          "{}{} in frame set {}: {}", i == 0 ? "" : "; ", view.camera->name, set.stamp.count(),
+          wrong[i]->truly >= 0 ? "it is marker " + name(wrong[i]->truly)
+                               : std::string("no mapped marker stands there"));
+    }
+    if (wrong.size() > kMostListed) {
+      finding.evidence += fmt::format("; and {} more", wrong.size() - kMostListed);
+    }
+    finding.evidence += ". Left out.";
+    finding.remedy = "Nothing, if it is rare; else clean or replace the markers that are misread.";
+    finding.cameras.assign(cameras.begin(), cameras.end());
+    finding.captures = names_of(captures);
+    finding.figures = {{"detections with a wrong id", static_cast<double>(wrong.size()), "", {}}};
+    return finding;
+  }
+
+ private:
+  [[nodiscard]] Finding about(FindingKind kind, int marker) const {
+    Finding finding;
+    finding.kind = kind;
+    finding.markers = {table_.markers[static_cast<std::size_t>(marker)]};
+    return finding;
+  }
+
+  [[nodiscard]] std::string name(int marker) const {
+    return format_marker_id(table_.markers[static_cast<std::size_t>(marker)],
+                            table_.several_families());
+  }
+
+  void add_captures(const std::vector<MarkerView>& views, std::set<int>& captures) const {
+    for (const MarkerView& view : views) {
+      captures.insert(
+          table_.frame_sets[static_cast<std::size_t>(view.observation->frame_set)].capture);
+    }
+  }
+
+  [[nodiscard]] std::vector<std::string> names_of(const std::set<int>& captures) const {
+    std::vector<std::string> names;
+    for (const int c : captures) names.push_back(table_.capture_names[static_cast<std::size_t>(c)]);
+    return names;
+  }
+
+  const MapEvidence& evidence_;
+  const ObservationTable& table_;
+};
+
+}  // namespace
+
+std::vector<Finding> marker_findings(const MapEvidence& evidence, const MarkerDiagnosis& diagnosis,
+                                     std::size_t submap) {
+  const FindingWriter writer(evidence);
+  std::vector<Finding> findings;
+  for (const WrongSize& wrong : diagnosis.sizes) findings.push_back(writer.wrong_size(wrong));
+  for (const DisplacedMarker& marker : diagnosis.displaced) {
+    findings.push_back(writer.displaced(marker));
+  }
+  std::map<int, std::vector<const WrongId*>> by_marker;
+  for (const WrongId& wrong : diagnosis.wrong_ids) {
+    by_marker[wrong.view.observation->marker].push_back(&wrong);
+  }
+  for (const auto& [marker, wrong] : by_marker) findings.push_back(writer.wrong_ids(wrong));
+  for (Finding& finding : findings) finding.submap = submap;
+  return findings;
+}
+
+}  // namespace waymark

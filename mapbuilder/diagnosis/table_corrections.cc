@@ -1,0 +1,118 @@
+#include "mapbuilder/diagnosis/table_corrections.h"
+
+#include <algorithm>
+#include <tuple>
+
+namespace waymark {
+namespace {
+
+/// First stamp of a place in each capture that saw it.
+std::map<int, Stamp> first_seen(const ObservationTable& table, const PlaceCluster& cluster) {
+  std::map<int, Stamp> first;
+  for (const MarkerView& view : cluster.views) {
+    const TableFrameSet& set =
+        table.frame_sets[static_cast<std::size_t>(view.observation->frame_set)];
+    const auto [known, is_new] = first.emplace(set.capture, set.stamp);
+    if (!is_new) known->second = std::min(known->second, set.stamp);
+  }
+  return first;
+}
+
+/// Whether an observation of the marker belongs to the time before it came to the place it keeps.
+bool before_the_move(const ObservationTable& table, const TableObservation& o,
+                     const std::map<int, Stamp>& kept, const std::map<int, Stamp>& given_up) {
+  const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(o.frame_set)];
+  if (!given_up.contains(set.capture)) return false;
+  const auto since = kept.find(set.capture);
+  return since == kept.end() || set.stamp < since->second;
+}
+
+}  // namespace
+
+void add_corrections(const ObservationTable& table, const MarkerDiagnosis& diagnosis,
+                     TableCorrections& corrections) {
+  for (const WrongSize& wrong : diagnosis.sizes) {
+    corrections.sizes_m[wrong.marker] = wrong.fitted_m;
+  }
+  for (const WrongId& wrong : diagnosis.wrong_ids) {
+    (wrong.view.repeated ? corrections.settled_repeats : corrections.left_out)
+        .insert(wrong.view.index);
+  }
+  for (const std::size_t index : diagnosis.right_after_all) {
+    corrections.settled_repeats.insert(index);
+    corrections.readmitted.insert(index);
+  }
+  for (const DisplacedMarker& displaced : diagnosis.displaced) {
+    std::map<int, Stamp> kept;
+    std::map<int, Stamp> given_up;
+    if (displaced.kept) {
+      kept = first_seen(table, displaced.places[*displaced.kept]);
+      given_up = first_seen(table, displaced.places[1 - *displaced.kept]);
+    }
+    const auto goes = [&](const TableObservation& o) {
+      return o.marker == displaced.marker &&
+             (!displaced.kept || before_the_move(table, o, kept, given_up));
+    };
+    for (const std::size_t index :
+         table.observations_of_marker[static_cast<std::size_t>(displaced.marker)]) {
+      if (goes(table.observations[index])) corrections.left_out.insert(index);
+    }
+    for (std::size_t i = 0; i < table.repeated.size(); ++i) {
+      if (goes(table.repeated[i])) corrections.settled_repeats.insert(i);
+    }
+  }
+}
+
+ObservationTable corrected(const ObservationTable& table, const TableCorrections& corrections) {
+  ObservationTable result = table;
+  for (const auto& [marker, size_m] : corrections.sizes_m) {
+    // Stated alike: it belongs to no other marker's size class any more.
+    result.sizes_m[static_cast<std::size_t>(marker)] = size_m;
+    result.stated_sizes_m[static_cast<std::size_t>(marker)] = size_m;
+  }
+  result.observations.clear();
+  std::vector<std::vector<const TableObservation*>> back(table.frame_sets.size());
+  for (const std::size_t index : corrections.readmitted) {
+    const TableObservation& o = table.repeated[index];
+    back[static_cast<std::size_t>(o.frame_set)].push_back(&o);
+  }
+  for (std::size_t f = 0; f < table.frame_sets.size(); ++f) {
+    const TableFrameSet& set = table.frame_sets[f];
+    const auto first = static_cast<std::ptrdiff_t>(result.observations.size());
+    for (std::size_t i = 0; i < set.observation_count; ++i) {
+      const std::size_t index = set.first_observation + i;
+      if (corrections.left_out.contains(index)) continue;
+      result.observations.push_back(table.observations[index]);
+    }
+    for (const TableObservation* o : back[f]) result.observations.push_back(*o);
+    // The table's order: by camera, then marker; neither occurs twice.
+    std::sort(result.observations.begin() + first, result.observations.end(),
+              [](const TableObservation& a, const TableObservation& b) {
+                return std::tie(a.camera, a.marker) < std::tie(b.camera, b.marker);
+              });
+    result.frame_sets[f].first_observation = static_cast<std::size_t>(first);
+    result.frame_sets[f].observation_count =
+        result.observations.size() - static_cast<std::size_t>(first);
+  }
+  result.repeated.clear();
+  for (std::size_t i = 0; i < table.repeated.size(); ++i) {
+    if (!corrections.settled_repeats.contains(i)) result.repeated.push_back(table.repeated[i]);
+  }
+  result.repeated_in_image -= static_cast<int>(corrections.settled_repeats.size());
+  const auto give_size = [&](TableObservation& o) {
+    const auto size = corrections.sizes_m.find(o.marker);
+    if (size == corrections.sizes_m.end()) return;
+    o.size_m = size->second;
+    o.ippe = solve_ippe(camera_of(result, o).model, o.corners_px, o.size_m);
+  };
+  for (TableObservation& o : result.repeated) give_size(o);
+  for (auto& indices : result.observations_of_marker) indices.clear();
+  for (std::size_t i = 0; i < result.observations.size(); ++i) {
+    TableObservation& o = result.observations[i];
+    give_size(o);
+    result.observations_of_marker[static_cast<std::size_t>(o.marker)].push_back(i);
+  }
+  return result;
+}
+
+}  // namespace waymark

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "mapbuilder/diagnosis/map_evidence.h"
+#include "mapbuilder/mapping/marker_placement.h"
+
+namespace waymark {
+
+/// Places a marker by views whose cameras are known, as if its size were `factor` times the stated
+/// one. At most 48 views, evenly spread, take part. nullopt as place_marker.
+[[nodiscard]] std::optional<PlacementEstimate> place_at_size(std::span<const MarkerView> views,
+                                                             double factor,
+                                                             const BuildOptions& options);
+
+}  // namespace waymark
