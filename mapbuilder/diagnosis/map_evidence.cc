@@ -18,13 +18,6 @@ MapEvidence::MapEvidence(ObservationTable& table, const BuiltSubMap& submap,
   NoiseModel noise = options.noise;
   noise.model_sigma_px = submap.model_sigma_px;
   set_whitening(table, noise);
-  for (TableObservation& o : table.repeated) {
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double variance = noise.model_sigma_px * noise.model_sigma_px;
-      o.whitening[i] =
-          whitening_from_covariance(o.covariances[i] + variance * Eigen::Matrix2d::Identity());
-    }
-  }
   std::map<MarkerId, std::size_t> index_of;
   for (std::size_t m = 0; m < table.markers.size(); ++m) index_of.emplace(table.markers[m], m);
   for (const MapMarker& marker : submap.map.markers) {
@@ -67,7 +60,6 @@ std::vector<MarkerView> MapEvidence::views_of(int marker, int least_others) cons
   for (const std::size_t index : table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
     add(table_.observations[index], index, false);
   }
-  for (std::size_t i = 0; i < table_.repeated.size(); ++i) add(table_.repeated[i], i, true);
   return views;
 }
 

@@ -57,9 +57,6 @@ void add_corrections(const ObservationTable& table, const MarkerDiagnosis& diagn
          table.observations_of_marker[static_cast<std::size_t>(displaced.marker)]) {
       if (goes(table.observations[index])) corrections.left_out.insert(index);
     }
-    for (std::size_t i = 0; i < table.repeated.size(); ++i) {
-      if (goes(table.repeated[i])) corrections.settled_repeats.insert(i);
-    }
   }
 }
 
@@ -71,11 +68,6 @@ ObservationTable corrected(const ObservationTable& table, const TableCorrections
     result.stated_sizes_m[static_cast<std::size_t>(marker)] = size_m;
   }
   result.observations.clear();
-  std::vector<std::vector<const TableObservation*>> back(table.frame_sets.size());
-  for (const std::size_t index : corrections.readmitted) {
-    const TableObservation& o = table.repeated[index];
-    back[static_cast<std::size_t>(o.frame_set)].push_back(&o);
-  }
   for (std::size_t f = 0; f < table.frame_sets.size(); ++f) {
     const TableFrameSet& set = table.frame_sets[f];
     const auto first = static_cast<std::ptrdiff_t>(result.observations.size());
@@ -84,28 +76,16 @@ ObservationTable corrected(const ObservationTable& table, const TableCorrections
       if (corrections.left_out.contains(index)) continue;
       result.observations.push_back(table.observations[index]);
     }
-    for (const TableObservation* o : back[f]) result.observations.push_back(*o);
-    // The table's order: by camera, then marker; neither occurs twice.
-    std::sort(result.observations.begin() + first, result.observations.end(),
-              [](const TableObservation& a, const TableObservation& b) {
-                return std::tie(a.camera, a.marker) < std::tie(b.camera, b.marker);
-              });
     result.frame_sets[f].first_observation = static_cast<std::size_t>(first);
     result.frame_sets[f].observation_count =
         result.observations.size() - static_cast<std::size_t>(first);
   }
-  result.repeated.clear();
-  for (std::size_t i = 0; i < table.repeated.size(); ++i) {
-    if (!corrections.settled_repeats.contains(i)) result.repeated.push_back(table.repeated[i]);
-  }
-  result.repeated_in_image -= static_cast<int>(corrections.settled_repeats.size());
   const auto give_size = [&](TableObservation& o) {
     const auto size = corrections.sizes_m.find(o.marker);
     if (size == corrections.sizes_m.end()) return;
     o.size_m = size->second;
     o.ippe = solve_ippe(camera_of(result, o).model, o.corners_px, o.size_m);
   };
-  for (TableObservation& o : result.repeated) give_size(o);
   for (auto& indices : result.observations_of_marker) indices.clear();
   for (std::size_t i = 0; i < result.observations.size(); ++i) {
     TableObservation& o = result.observations[i];

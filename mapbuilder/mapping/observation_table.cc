@@ -99,6 +99,10 @@ class TableMaker {
       const Detection& d = *sorted[i];
       const bool repeated = (i > 0 && sorted[i - 1]->marker == d.marker) ||
                             (i + 1 < sorted.size() && sorted[i + 1]->marker == d.marker);
+      if (repeated) {
+        ++table.repeated_in_image;
+        continue;
+      }
       TableObservation o;
       o.camera = camera_in_rig;
       o.corners_px = d.corners;
@@ -109,8 +113,7 @@ class TableMaker {
           CornerCovariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero(),
                             Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()});
       o.whitening.fill(Eigen::Matrix2d::Identity());
-      table.repeated_in_image += repeated ? 1 : 0;
-      (repeated ? table.repeated : table.observations).push_back(o);
+      table.observations.push_back(o);
     }
   }
 
@@ -144,16 +147,13 @@ Expected<std::map<MarkerId, double>> collect_sizes(const std::vector<DetectedCap
 
 /// Both IPPE solutions of every observation; those without any are taken out.
 void solve_all_ippe(ObservationTable& table, int threads) {
-  const auto solve = [&](TableObservation& o) {
+  parallel_for(table.observations.size(), threads, [&](std::size_t i) {
+    TableObservation& o = table.observations[i];
     const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(o.frame_set)];
     const Rig& rig = table.rigs[static_cast<std::size_t>(set.rig)];
     o.ippe =
         solve_ippe(rig.cameras[static_cast<std::size_t>(o.camera)].model, o.corners_px, o.size_m);
-  };
-  parallel_for(table.observations.size(), threads,
-               [&](std::size_t i) { solve(table.observations[i]); });
-  for (TableObservation& o : table.repeated) solve(o);
-  std::erase_if(table.repeated, [](const TableObservation& o) { return !o.ippe; });
+  });
   std::vector<TableObservation> kept;
   kept.reserve(table.observations.size());
   for (TableFrameSet& set : table.frame_sets) {
