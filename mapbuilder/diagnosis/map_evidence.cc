@@ -21,7 +21,7 @@ MapEvidence::MapEvidence(ObservationTable& table, const BuiltSubMap& submap,
   std::map<MarkerId, std::size_t> index_of;
   for (std::size_t m = 0; m < table.markers.size(); ++m) index_of.emplace(table.markers[m], m);
   for (const MapMarker& marker : submap.map.markers) {
-    places_[index_of.at(marker.id)] = MarkerPlace{marker.world_from_marker, marker.size_m};
+    places_[index_of.at(marker.id)] = SizedPlace{marker.world_from_marker, marker.size_m};
   }
   for (const LocalizedFrameSet& set : submap.trajectory) {
     rigs_[static_cast<std::size_t>(set.frame_set)] = set.world_from_rig;
@@ -97,7 +97,7 @@ MarkerObservation sized(const MarkerView& view, double size_m) {
 
 }  // namespace
 
-double distance_px(const MarkerView& view, const MarkerPlace& place) {
+double distance_px(const MarkerView& view, const SizedPlace& place) {
   const Rigid3 cam_from_marker = view.world_from_cam.inverse() * place.world_from_marker;
   const Eigen::Vector3d normal = cam_from_marker.rotation * Eigen::Vector3d::UnitZ();
   if (normal.dot(cam_from_marker.translation) >= 0) return std::numeric_limits<double>::infinity();
@@ -109,7 +109,7 @@ double distance_px(const MarkerView& view, const MarkerPlace& place) {
   return std::sqrt(0.25 * sum);
 }
 
-double misfit_sigmas2(const MarkerView& view, const MarkerPlace& place) {
+double misfit_sigmas2(const MarkerView& view, const SizedPlace& place) {
   return squared_residual(sized(view, place.size_m), view.camera->model,
                           view.world_from_cam.inverse() * place.world_from_marker);
 }

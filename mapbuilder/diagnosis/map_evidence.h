@@ -21,7 +21,7 @@ struct MarkerView {
 };
 
 /// A place where a marker stands or stood, and how large it is.
-struct MarkerPlace {
+struct SizedPlace {
   Rigid3 world_from_marker;
   double size_m = 0;
 };
@@ -38,7 +38,7 @@ class MapEvidence {
   [[nodiscard]] const BuildOptions& options() const { return options_; }
 
   /// The mapped place of a marker (table index).
-  [[nodiscard]] const std::optional<MarkerPlace>& place(int marker) const {
+  [[nodiscard]] const std::optional<SizedPlace>& place(int marker) const {
     return places_[static_cast<std::size_t>(marker)];
   }
   /// World from rig of a localized, unambiguous frame set.
@@ -65,7 +65,7 @@ class MapEvidence {
   const ObservationTable& table_;
   const BuiltSubMap& submap_;
   BuildOptions options_;
-  std::vector<std::optional<MarkerPlace>> places_;
+  std::vector<std::optional<SizedPlace>> places_;
   std::vector<std::optional<Rigid3>> rigs_;
   std::vector<int> accepted_in_set_;
   std::vector<char> accepted_;
@@ -73,10 +73,10 @@ class MapEvidence {
 
 /// Root mean square distance (px) of a view's corners from where the place would show them;
 /// infinite when it can't be projected or faces away.
-[[nodiscard]] double distance_px(const MarkerView& view, const MarkerPlace& place);
+[[nodiscard]] double distance_px(const MarkerView& view, const SizedPlace& place);
 
 /// Σ of the squared whitened residuals of a view at a place, sigmas².
-[[nodiscard]] double misfit_sigmas2(const MarkerView& view, const MarkerPlace& place);
+[[nodiscard]] double misfit_sigmas2(const MarkerView& view, const SizedPlace& place);
 
 /// Side of the observed marker (px): the square root of its area.
 [[nodiscard]] double side_px(const MarkerView& view);

@@ -25,8 +25,8 @@ class MarkerJudge {
     for (std::size_t m = 0; m < places_.size(); ++m) {
       const int marker = static_cast<int>(m);
       if (!evidence.place(marker)) continue;
-      if (stands_on_another(evidence, marker)) {
-        phantoms_.insert(marker);
+      if (stands_on_another(evidence, marker) || too_rare(marker)) {
+        doubtful_.insert(marker);
       } else {
         places_[m].push_back(*evidence.place(marker));
       }
@@ -63,7 +63,7 @@ class MarkerJudge {
     std::vector<MarkerView> firm;
     bool contradicted = false;
     for (const MarkerView& view : evidence_.views_of(marker, 1)) {
-      if (!view.accepted || phantoms_.contains(marker)) {
+      if (!view.accepted || doubtful_.contains(marker)) {
         if (const auto wrong = wrong_id(view)) {
           verdict.wrong_ids.push_back(*wrong);
           continue;
@@ -96,6 +96,14 @@ class MarkerJudge {
     return WrongId{view, shown};
   }
 
+  /// Too few views to say that a marker is there: a wrong id looks the same.
+  [[nodiscard]] bool too_rare(int marker) const {
+    constexpr std::ptrdiff_t kLeastViews = 3;
+    const auto views = evidence_.views_of(marker, 0);
+    return std::count_if(views.begin(), views.end(),
+                         [](const MarkerView& v) { return v.accepted; }) < kLeastViews;
+  }
+
   /// What is left when all places of all markers are known.
   void conclude(int marker, MarkerDiagnosis& diagnosis) const {
     const MarkerVerdict& verdict = verdicts_[static_cast<std::size_t>(marker)];
@@ -111,6 +119,11 @@ class MarkerJudge {
       }
     }
     if (verdict.places.empty()) {
+      if (doubtful_.contains(marker) && verdict.wrong_ids.empty() && verdict.strays.empty()) {
+        for (const MarkerView& view : evidence_.views_of(marker, 1)) {
+          if (const auto wrong = wrong_id(view)) diagnosis.wrong_ids.push_back(*wrong);
+        }
+      }
       settle_repeated(marker, diagnosis);
       return;
     }
@@ -144,9 +157,9 @@ class MarkerJudge {
 
   const MapEvidence& evidence_;
   DiagnosisOptions options_;
-  std::vector<std::vector<MarkerPlace>> places_;  ///< per marker
+  std::vector<std::vector<SizedPlace>> places_;  ///< per marker
   std::vector<MarkerVerdict> verdicts_;
-  std::set<int> phantoms_;  ///< mapped, but only read off other markers
+  std::set<int> doubtful_;  ///< mapped, but perhaps only read off other markers
 };
 
 }  // namespace

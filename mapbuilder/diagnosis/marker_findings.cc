@@ -12,8 +12,7 @@ namespace {
 /// Puts a diagnosis of one table into words.
 class FindingWriter {
  public:
-  explicit FindingWriter(const MapEvidence& evidence)
-      : evidence_(evidence), table_(evidence.table()) {}
+  explicit FindingWriter(const ObservationTable& table) : table_(table) {}
 
   [[nodiscard]] Finding wrong_size(const WrongSize& wrong) const {
     Finding finding = about(FindingKind::wrong_size, wrong.marker);
@@ -145,7 +144,6 @@ class FindingWriter {
     return names;
   }
 
-  const MapEvidence& evidence_;
   const ObservationTable& table_;
 };
 
@@ -153,7 +151,7 @@ class FindingWriter {
 
 std::vector<Finding> marker_findings(const MapEvidence& evidence, const MarkerDiagnosis& diagnosis,
                                      std::size_t submap) {
-  const FindingWriter writer(evidence);
+  const FindingWriter writer(evidence.table());
   std::vector<Finding> findings;
   for (const WrongSize& wrong : diagnosis.sizes) findings.push_back(writer.wrong_size(wrong));
   for (const DisplacedMarker& marker : diagnosis.displaced) {

@@ -12,7 +12,7 @@ namespace waymark {
 namespace {
 
 /// Largest angle (rad) under which the views' cameras see the place apart.
-double parallax_rad(std::span<const MarkerView> views, const MarkerPlace& place) {
+double parallax_rad(std::span<const MarkerView> views, const SizedPlace& place) {
   double largest = 0;
   const auto direction = [&](const MarkerView& view) {
     return (view.world_from_cam.translation - place.world_from_marker.translation).normalized();
@@ -75,7 +75,7 @@ std::map<int, Period> periods_of(const ObservationTable& table, const PlaceClust
 
 /// Whether a camera of the frame set looks at the place as well as at `seen`'s smallest view, and
 /// sees another mapped marker in the same image.
-bool looks_at(const MapEvidence& evidence, int frame_set, const MarkerPlace& place,
+bool looks_at(const MapEvidence& evidence, int frame_set, const SizedPlace& place,
               double least_side_px) {
   constexpr double kLeastCosine = 0.5;  // within 60° of the marker's normal
   const ObservationTable& table = evidence.table();

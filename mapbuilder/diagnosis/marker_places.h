@@ -10,7 +10,7 @@ namespace waymark {
 
 /// Views that agree on where a marker stands.
 struct PlaceCluster {
-  MarkerPlace place;
+  SizedPlace place;
   std::vector<MarkerView> views;
   double sigma_m = 0;  ///< of the centre, largest axis; grows with the misfit of the views
 };

@@ -188,7 +188,7 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
     if (!fit || !stands_out(std::log(fit->factor), fit->sigma, 1.0)) continue;
     // A marker that stands in two places can pass for one of odd size; then views contradict it.
     const double stated_m = table.sizes_m[static_cast<std::size_t>(suspect.marker)];
-    const MarkerPlace place{fit->world_from_marker, stated_m * fit->factor};
+    const SizedPlace place{fit->world_from_marker, stated_m * fit->factor};
     const double gate =
         evidence.options().gate.reject_sigmas * evidence.options().gate.reject_sigmas;
     const auto fitting = static_cast<std::size_t>(

@@ -11,7 +11,7 @@ std::size_t accepted_views(const std::vector<MarkerView>& views) {
       std::count_if(views.begin(), views.end(), [](const MarkerView& v) { return v.accepted; }));
 }
 
-bool same_place(const MarkerPlace& a, const MarkerPlace& b) {
+bool same_place(const SizedPlace& a, const SizedPlace& b) {
   constexpr double kMostApart = 0.3;  // of the side: plates can't overlap that far
   constexpr double kMostTurned_rad = 0.35;
   return (a.world_from_marker.translation - b.world_from_marker.translation).norm() <
@@ -35,13 +35,13 @@ bool among(const std::vector<MarkerView>& rare, const std::vector<MarkerView>& c
 
 }  // namespace
 
-double nearest_px(const MarkerView& view, std::span<const MarkerPlace> places) {
+double nearest_px(const MarkerView& view, std::span<const SizedPlace> places) {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const MarkerPlace& place : places) nearest = std::min(nearest, distance_px(view, place));
+  for (const SizedPlace& place : places) nearest = std::min(nearest, distance_px(view, place));
   return nearest;
 }
 
-int marker_shown(const MarkerView& view, std::span<const std::vector<MarkerPlace>> places,
+int marker_shown(const MarkerView& view, std::span<const std::vector<SizedPlace>> places,
                  const WrongIdOptions& options) {
   int shown = -1;
   double nearest = options.most_to_other * side_px(view);

@@ -28,12 +28,12 @@ struct WrongIdOptions {
 };
 
 /// Distance (px) of a view from the nearest of a marker's places; infinite when there are none.
-[[nodiscard]] double nearest_px(const MarkerView& view, std::span<const MarkerPlace> places);
+[[nodiscard]] double nearest_px(const MarkerView& view, std::span<const SizedPlace> places);
 
 /// The mapped marker other than the view's own that stands where it was seen; −1 when none does.
 /// `places` per marker of the table.
 [[nodiscard]] int marker_shown(const MarkerView& view,
-                               std::span<const std::vector<MarkerPlace>> places,
+                               std::span<const std::vector<SizedPlace>> places,
                                const WrongIdOptions& options);
 
 /// Whether the id stands in the map only because it was read, a few times, off another marker: both

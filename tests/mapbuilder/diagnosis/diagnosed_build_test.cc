@@ -83,10 +83,10 @@ class DiagnosedBuildTest : public ::testing::Test {
         const auto at = [&](const MapMarker& m) {
           return room.world_from_marker[static_cast<std::size_t>(m.id.number)].translation;
         };
-        worst = std::max(worst, std::abs((a.world_from_marker.translation -
-                                          b.world_from_marker.translation)
-                                             .norm() -
-                                         (at(a) - at(b)).norm()));
+        worst = std::max(
+            worst,
+            std::abs((a.world_from_marker.translation - b.world_from_marker.translation).norm() -
+                     (at(a) - at(b)).norm()));
       }
     }
     return worst;
@@ -147,10 +147,10 @@ TEST_F(DiagnosedBuildTest, anIdThatExistsTwiceIsKeptOut) {
   });
   build(room);
   expect_only(FindingKind::twin, 3);
-  EXPECT_NEAR(figure("distance between the places"),
-              (room.world_from_marker[3].translation - room.world_from_marker[20].translation)
-                  .norm(),
-              0.02);
+  EXPECT_NEAR(
+      figure("distance between the places"),
+      (room.world_from_marker[3].translation - room.world_from_marker[20].translation).norm(),
+      0.02);
   EXPECT_EQ(mapped(3), nullptr);
   EXPECT_LT(worst_distance_m(room, {3}), 0.01);
 }
@@ -176,10 +176,10 @@ TEST_F(DiagnosedBuildTest, aMarkerMovedBetweenCapturesKeepsItsLaterPlace) {
   edit(first, [](Detection& d, Stamp) { return d.marker.number != 4; });
   build({capture_of(first, "first"), capture_of(after, "second")});
   expect_only(FindingKind::moved_between_captures, 3);
-  EXPECT_NEAR(figure("distance between the places"),
-              (before.world_from_marker[3].translation - before.world_from_marker[4].translation)
-                  .norm(),
-              0.02);
+  EXPECT_NEAR(
+      figure("distance between the places"),
+      (before.world_from_marker[3].translation - before.world_from_marker[4].translation).norm(),
+      0.02);
   SyntheticRoom truth = before;
   truth.world_from_marker[3] = before.world_from_marker[4];
   EXPECT_LT(worst_distance_m(truth, {}), 0.01);
