@@ -124,7 +124,6 @@ class MarkerJudge {
           if (const auto wrong = wrong_id(view)) diagnosis.wrong_ids.push_back(*wrong);
         }
       }
-      settle_repeated(marker, diagnosis);
       return;
     }
     DisplacedMarker displaced;
@@ -136,23 +135,6 @@ class MarkerJudge {
       displaced.kept = *displaced.history.second_is_later ? 1 : 0;
     }
     diagnosis.displaced.push_back(std::move(displaced));
-  }
-
-  /// Of an id read twice in one image, the one at its place is right when the other is wrong.
-  void settle_repeated(int marker, MarkerDiagnosis& diagnosis) const {
-    const auto& place = evidence_.place(marker);
-    if (!place) return;
-    const double gate = evidence_.options().gate.reject_sigmas;
-    for (const MarkerView& view : evidence_.views_of(marker, 1)) {
-      if (!view.repeated || misfit_sigmas2(view, *place) > gate * gate) continue;
-      const bool other_is_wrong = std::any_of(
-          diagnosis.wrong_ids.begin(), diagnosis.wrong_ids.end(), [&](const WrongId& wrong) {
-            return wrong.view.repeated && wrong.view.observation->marker == marker &&
-                   wrong.view.observation->frame_set == view.observation->frame_set &&
-                   wrong.view.observation->camera == view.observation->camera;
-          });
-      if (other_is_wrong) diagnosis.right_after_all.push_back(view.index);
-    }
   }
 
   const MapEvidence& evidence_;

@@ -30,9 +30,6 @@ struct MarkerDiagnosis {
   std::vector<WrongSize> sizes;
   std::vector<DisplacedMarker> displaced;
   std::vector<WrongId> wrong_ids;
-  /// Indices of the table's repeated observations that are right after all: the other one of the
-  /// same image is not.
-  std::vector<std::size_t> right_after_all;
 };
 
 [[nodiscard]] MarkerDiagnosis diagnose_markers(const MapEvidence& evidence,

@@ -9,13 +9,9 @@ namespace waymark {
 
 /// What a diagnosis changes in the table so that what is wrong can't harm the rest.
 struct TableCorrections {
-  std::set<std::size_t> left_out;         ///< indices of observations
-  std::set<std::size_t> settled_repeats;  ///< indices of repeated observations that are explained
-  std::set<std::size_t> readmitted;       ///< of these, the ones that are right after all
-  std::map<int, double> sizes_m;          ///< by marker of the table
-  [[nodiscard]] bool empty() const {
-    return left_out.empty() && settled_repeats.empty() && sizes_m.empty();
-  }
+  std::set<std::size_t> left_out;  ///< indices of observations
+  std::map<int, double> sizes_m;   ///< by marker of the table
+  [[nodiscard]] bool empty() const { return left_out.empty() && sizes_m.empty(); }
 };
 
 /// Wrong ids are left out; so is a marker that stands twice, or as much of it as belongs to the
