@@ -34,14 +34,13 @@ MapEvidence::MapEvidence(ObservationTable& table, const BuiltSubMap& submap,
   }
 }
 
-MarkerView MapEvidence::view_of(const TableObservation& o, std::size_t index, bool repeated) const {
+MarkerView MapEvidence::view_of(const TableObservation& o, std::size_t index) const {
   MarkerView view;
   view.observation = &o;
   view.camera = &camera_of(table_, o);
   view.world_from_cam = *rigs_[static_cast<std::size_t>(o.frame_set)] * view.camera->rig_from_cam;
   view.index = index;
-  view.repeated = repeated;
-  view.accepted = !repeated && accepted_[index] != 0;
+  view.accepted = accepted_[index] != 0;
   const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(o.frame_set)];
   for (std::size_t i = 0; i < set.observation_count; ++i) {
     const std::size_t other = set.first_observation + i;
@@ -52,13 +51,13 @@ MarkerView MapEvidence::view_of(const TableObservation& o, std::size_t index, bo
 
 std::vector<MarkerView> MapEvidence::views_of(int marker, int least_others) const {
   std::vector<MarkerView> views;
-  const auto add = [&](const TableObservation& o, std::size_t index, bool repeated) {
+  const auto add = [&](const TableObservation& o, std::size_t index) {
     if (o.marker != marker || !rigs_[static_cast<std::size_t>(o.frame_set)]) return;
-    const MarkerView view = view_of(o, index, repeated);
+    const MarkerView view = view_of(o, index);
     if (view.others >= least_others) views.push_back(view);
   };
   for (const std::size_t index : table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
-    add(table_.observations[index], index, false);
+    add(table_.observations[index], index);
   }
   return views;
 }

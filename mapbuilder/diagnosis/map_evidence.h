@@ -13,9 +13,7 @@ struct MarkerView {
   const TableObservation* observation = nullptr;
   const RigCamera* camera = nullptr;
   Rigid3 world_from_cam;
-  /// Index in the table's observations; in its repeated ones when `repeated`.
-  std::size_t index = 0;
-  bool repeated = false;  ///< its id was found twice in that image
+  std::size_t index = 0;  ///< in the table's observations
   bool accepted = false;  ///< by the gate
   int others = 0;         ///< accepted observations of other markers in the frame set
 };
@@ -51,7 +49,7 @@ class MapEvidence {
   }
 
   /// Views of a marker by localized frame sets with at least `least_others` accepted observations
-  /// of other markers; by rising index, repeated ones last.
+  /// of other markers; by rising index.
   [[nodiscard]] std::vector<MarkerView> views_of(int marker, int least_others) const;
 
   /// The same views, each camera's pose found again from the other markers alone: what a marker of
@@ -59,8 +57,7 @@ class MapEvidence {
   [[nodiscard]] std::vector<MarkerView> independent_views_of(int marker, int least_others) const;
 
  private:
-  [[nodiscard]] MarkerView view_of(const TableObservation& o, std::size_t index,
-                                   bool repeated) const;
+  [[nodiscard]] MarkerView view_of(const TableObservation& o, std::size_t index) const;
 
   const ObservationTable& table_;
   const BuiltSubMap& submap_;

@@ -1,7 +1,6 @@
 #include "mapbuilder/diagnosis/table_corrections.h"
 
 #include <algorithm>
-#include <tuple>
 
 namespace waymark {
 namespace {
@@ -35,12 +34,7 @@ void add_corrections(const ObservationTable& table, const MarkerDiagnosis& diagn
     corrections.sizes_m[wrong.marker] = wrong.fitted_m;
   }
   for (const WrongId& wrong : diagnosis.wrong_ids) {
-    (wrong.view.repeated ? corrections.settled_repeats : corrections.left_out)
-        .insert(wrong.view.index);
-  }
-  for (const std::size_t index : diagnosis.right_after_all) {
-    corrections.settled_repeats.insert(index);
-    corrections.readmitted.insert(index);
+    corrections.left_out.insert(wrong.view.index);
   }
   for (const DisplacedMarker& displaced : diagnosis.displaced) {
     std::map<int, Stamp> kept;
@@ -70,15 +64,14 @@ ObservationTable corrected(const ObservationTable& table, const TableCorrections
   result.observations.clear();
   for (std::size_t f = 0; f < table.frame_sets.size(); ++f) {
     const TableFrameSet& set = table.frame_sets[f];
-    const auto first = static_cast<std::ptrdiff_t>(result.observations.size());
+    const std::size_t first = result.observations.size();
     for (std::size_t i = 0; i < set.observation_count; ++i) {
       const std::size_t index = set.first_observation + i;
       if (corrections.left_out.contains(index)) continue;
       result.observations.push_back(table.observations[index]);
     }
-    result.frame_sets[f].first_observation = static_cast<std::size_t>(first);
-    result.frame_sets[f].observation_count =
-        result.observations.size() - static_cast<std::size_t>(first);
+    result.frame_sets[f].first_observation = first;
+    result.frame_sets[f].observation_count = result.observations.size() - first;
   }
   const auto give_size = [&](TableObservation& o) {
     const auto size = corrections.sizes_m.find(o.marker);

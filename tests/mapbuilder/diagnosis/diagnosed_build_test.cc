@@ -222,33 +222,5 @@ TEST_F(DiagnosedBuildTest, anIdThatOnlyExistsByMisreadingIsNoMarker) {
   EXPECT_EQ(mapped(200), nullptr);
 }
 
-TEST_F(DiagnosedBuildTest, ofAnIdReadTwiceInOneImageTheRightOneComesBack) {
-  SyntheticRoom room = noisy_room();
-  std::size_t before = 0;
-  int misread = 0;
-  for (ImageDetections& image : room.images) {
-    before += image.detections.size();
-    const auto has = [&](int id) {
-      return std::find_if(image.detections.begin(), image.detections.end(),
-                          [&](const Detection& d) { return d.marker.number == id; });
-    };
-    const auto first = has(11);
-    if (first == image.detections.end() || image.detections.size() < 3 || misread > 0) continue;
-    for (Detection& d : image.detections) {
-      if (d.marker.number == 11) continue;
-      misread = d.marker.number;
-      d.marker.number = 11;
-      break;
-    }
-  }
-  ASSERT_GT(misread, 0);
-  build(room);
-  expect_only(FindingKind::wrong_id, 11);
-  EXPECT_EQ(table_.repeated_in_image, 0);
-  std::size_t after = 0;
-  for (const TableFrameSet& set : table_.frame_sets) after += set.observation_count;
-  EXPECT_EQ(after, before - 1);
-}
-
 }  // namespace
 }  // namespace waymark::test
