@@ -9,7 +9,6 @@
 #include "core/map/map_file.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
-#include "mapbuilder/diagnosis/diagnosed_build.h"
 #include "mapbuilder/diagnosis/frame_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
 #include "mapbuilder/report/report_folder.h"
@@ -174,8 +173,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
-  DiagnosedBuild diagnosed = build_and_diagnose(*table, build, {}, progress);
-  BuildResult& result = diagnosed.result;
+  BuildResult result = build_map(*table, build, progress);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   if (result.submaps.empty()) {
     return fail(ErrorKind::bad_data,
@@ -185,7 +183,6 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 table->observations.size());
   }
   std::vector<Finding> findings = calibration_findings(result, build);
-  for (Finding& finding : diagnosed.findings) findings.push_back(std::move(finding));
   if (earlier) {
     for (Finding& finding : take_frame_of(*earlier, result)) findings.push_back(std::move(finding));
   }
