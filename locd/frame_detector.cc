@@ -59,7 +59,7 @@ void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras) {
   done_.wait(lock, [this] { return unfinished_ == 0; });
   set_ = nullptr;
   for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
-    if ((to_search & camera_bit(c)) != 0) results_[c] = found_[c].detections;
+    if ((to_search & camera_bit(c)) != 0) results_[c] = found_[c]->detections;
   }
 }
 
@@ -91,7 +91,7 @@ void FrameDetector::take_cameras() {
 
 void FrameDetector::detect_in(std::size_t camera) {
   found_[camera] =
-      detectors_[camera]->detect(set_->frames[camera].image(), rig_.cameras[camera].model);
+      &detectors_[camera]->detect(set_->frames[camera].image(), rig_.cameras[camera].model);
 }
 
 }  // namespace waymark

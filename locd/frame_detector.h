@@ -42,7 +42,7 @@ class FrameDetector {
 
   const Rig& rig_;
   std::vector<std::unique_ptr<ImageDetector>> detectors_;
-  std::vector<FoundMarkers> found_;
+  std::vector<const FoundMarkers*> found_;  ///< the detectors' own
   std::array<std::span<const Detection>, kMaxCameras> results_;
 
   std::mutex mutex_;

@@ -54,6 +54,7 @@ struct ApriltagDetector::Implementation {
   };
   apriltag_detector_t* detector = apriltag_detector_create();
   std::vector<AddedFamily> families;
+  std::vector<Detection> detections;
   double min_side_px = 0;
 
   [[nodiscard]] Family family_of(const apriltag_detection_t& found) const {
@@ -89,8 +90,9 @@ ApriltagDetector::~ApriltagDetector() {
   }
 }
 
-std::vector<Detection> ApriltagDetector::detect(const GrayView& image) {
-  std::vector<Detection> detections;
+const std::vector<Detection>& ApriltagDetector::detect(const GrayView& image) {
+  std::vector<Detection>& detections = implementation_->detections;
+  detections.clear();
   const double min_side_px = implementation_->min_side_px;
   if (std::min(image.width_px, image.height_px) < min_side_px) return detections;
   // libapriltag reads the pixels only; its image has no constant form.

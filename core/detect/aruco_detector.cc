@@ -92,6 +92,8 @@ int correctable_bits(Family family) {
 }
 
 struct ArucoDetector::Implementation {
+  explicit Implementation(const std::vector<Family>& families) : bits(families) {}
+
   struct FamilyPass {
     Family family;
     cv::Ptr<cv::aruco::Dictionary> dictionary;
@@ -99,10 +101,15 @@ struct ArucoDetector::Implementation {
   std::vector<FamilyPass> passes;
   cv::Ptr<cv::aruco::DetectorParameters> parameters = cv::aruco::DetectorParameters::create();
   double min_side_px = 0;
+  MarkerBitsTable bits;
+  // Kept from image to image for their memory.
+  std::vector<std::vector<cv::Point2f>> quads;
+  std::vector<int> numbers;
+  std::vector<Detection> detections;
 };
 
 ArucoDetector::ArucoDetector(const std::vector<Family>& families, const DetectorOptions& options)
-    : implementation_(std::make_unique<Implementation>()) {
+    : implementation_(std::make_unique<Implementation>(families)) {
   for (const Family family : families) {
     implementation_->passes.push_back({family, correcting_dictionary(family)});
   }
@@ -120,8 +127,11 @@ ArucoDetector::ArucoDetector(const std::vector<Family>& families, const Detector
 
 ArucoDetector::~ArucoDetector() = default;
 
-std::vector<Detection> ArucoDetector::detect(const GrayView& image) {
-  std::vector<Detection> detections;
+const std::vector<Detection>& ArucoDetector::detect(const GrayView& image) {
+  std::vector<Detection>& detections = implementation_->detections;
+  std::vector<std::vector<cv::Point2f>>& quads = implementation_->quads;
+  std::vector<int>& numbers = implementation_->numbers;
+  detections.clear();
   const int longer_side = std::max(image.width_px, image.height_px);
   if (std::min(image.width_px, image.height_px) < implementation_->min_side_px) return detections;
 
@@ -130,15 +140,14 @@ std::vector<Detection> ArucoDetector::detect(const GrayView& image) {
                        const_cast<std::uint8_t*>(image.data), image.stride_bytes);
   implementation_->parameters->minMarkerPerimeterRate =
       4 * implementation_->min_side_px / longer_side;
-  std::vector<std::vector<cv::Point2f>> quads;
-  std::vector<int> numbers;
   for (const auto& pass : implementation_->passes) {
     cv::aruco::detectMarkers(pixels, pass.dictionary, quads, numbers, implementation_->parameters);
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       Detection detection;
       detection.marker = {pass.family, numbers[i]};
       detection.corners = upright_corners(pass.family, quads[i]);
-      const auto reading = read_cells(image, detection.corners, marker_bits(detection.marker));
+      const auto reading =
+          read_cells(image, detection.corners, implementation_->bits.of(detection.marker));
       if (reading) detection.hamming = reading->wrong_code_cells;
       add_reading(detection, detections);
     }

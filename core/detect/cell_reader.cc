@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
-#include <vector>
 
+#include "core/base/check.h"
 #include "core/geometry/square_homography.h"
 
 namespace waymark {
@@ -39,8 +39,9 @@ std::optional<CellReading> read_cells(const GrayView& image, const ImageCorners&
                                       const MarkerBits& bits) {
   const auto pixel_from_unit = homography_from_unit_square(corners);
   if (!pixel_from_unit) return std::nullopt;
-  std::vector<double> greys;
-  greys.reserve(bits.white.size());
+  WAYMARK_CHECK(bits.cells <= kMaxMarkerCells);
+  std::array<double, kMaxMarkerCells * kMaxMarkerCells> greys;
+  std::size_t read = 0;
   std::array<double, 2> sums{};
   std::array<int, 2> counts{};
   for (int row = 0; row < bits.cells; ++row) {
@@ -50,7 +51,7 @@ std::optional<CellReading> read_cells(const GrayView& image, const ImageCorners&
       const std::size_t color = bits.is_white(row, column) ? 1 : 0;
       sums[color] += *grey;
       ++counts[color];
-      greys.push_back(*grey);
+      greys[read++] = *grey;
     }
   }
   if (counts[1] == 0) return std::nullopt;

@@ -1,6 +1,7 @@
 #include "core/detect/image_detector.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "core/base/check.h"
 #include "core/detect/aruco_detector.h"
@@ -26,24 +27,6 @@ bool same_square(const Detection& a, const Detection& b) {
   return between.norm() < 0.2 * side_px;
 }
 
-/// Of several readings of one square only that with the fewest corrected bits stays; none when two
-/// are equally good but name different markers.
-int drop_ambiguous(std::vector<Detection>& detections) {
-  std::vector<Detection> clear;
-  for (const Detection& one : detections) {
-    const bool beaten =
-        std::any_of(detections.begin(), detections.end(), [&](const Detection& other) {
-          return &other != &one && same_square(one, other) &&
-                 (other.hamming < one.hamming ||
-                  (other.hamming == one.hamming && (other.marker != one.marker || &other < &one)));
-        });
-    if (!beaten) clear.push_back(one);
-  }
-  const auto dropped = static_cast<int>(detections.size() - clear.size());
-  detections = std::move(clear);
-  return dropped;
-}
-
 }  // namespace
 
 DetectionCounts& DetectionCounts::operator+=(const DetectionCounts& other) {
@@ -59,28 +42,26 @@ DetectionCounts& DetectionCounts::operator+=(const DetectionCounts& other) {
 ImageDetector::ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options)
     : catalog_(catalog),
       options_(options),
-      detector_(make_detector(families_of(catalog), options.detector)) {}
-
-const MarkerBits& ImageDetector::bits_of(const MarkerId& marker) {
-  auto known = bits_.find(marker);
-  if (known == bits_.end()) known = bits_.emplace(marker, marker_bits(marker)).first;
-  return known->second;
+      detector_(make_detector(families_of(catalog), options.detector)),
+      bits_(families_of(catalog)) {
+  for (const Family family : families_of(catalog)) {
+    correctable_bits_[family] = correctable_bits(family);
+  }
 }
 
 /// Gives the detection exact corners and covariances; false, counted, where it is none.
-bool ImageDetector::refine(const GrayView& image, const CameraModel& camera, Detection& detection,
-                           DetectionCounts& counts) {
-  const MarkerBits& bits = bits_of(detection.marker);
+bool ImageDetector::refine(const GrayView& image, const CameraModel& camera, Detection& detection) {
+  const MarkerBits& bits = bits_.of(detection.marker);
   const auto refined = refine_corners(image, camera, detection.corners, bits, options_.refine);
   if (!refined) {
-    ++counts.unrefined;
+    ++found_.counts.unrefined;
     return false;
   }
   const auto reading = read_cells(image, refined->corners, bits);
   const int border_cells = 4 * (bits.cells - 1);
-  if (!reading || reading->wrong_code_cells > correctable_bits(detection.marker.family) ||
+  if (!reading || reading->wrong_code_cells > correctable_bits_.at(detection.marker.family) ||
       reading->wrong_border_cells > border_cells / 8) {
-    ++counts.misread;
+    ++found_.counts.misread;
     return false;
   }
   detection.hamming = reading->wrong_code_cells;
@@ -89,21 +70,40 @@ bool ImageDetector::refine(const GrayView& image, const CameraModel& camera, Det
   return true;
 }
 
-FoundMarkers ImageDetector::detect(const GrayView& image, const CameraModel& camera) {
+/// Of several readings of one square only that with the fewest corrected bits stays; none when two
+/// are equally good but name different markers.
+void ImageDetector::drop_ambiguous() {
+  clear_.clear();
+  for (const Detection& one : found_.detections) {
+    const bool beaten = std::any_of(
+        found_.detections.begin(), found_.detections.end(), [&](const Detection& other) {
+          return &other != &one && same_square(one, other) &&
+                 (other.hamming < one.hamming ||
+                  (other.hamming == one.hamming && (other.marker != one.marker || &other < &one)));
+        });
+    if (!beaten) clear_.push_back(one);
+  }
+  found_.counts.ambiguous = static_cast<int>(found_.detections.size() - clear_.size());
+  std::swap(found_.detections, clear_);
+}
+
+const FoundMarkers& ImageDetector::detect(const GrayView& image, const CameraModel& camera) {
   WAYMARK_CHECK(image.width_px == camera.parameters().width_px &&
                 image.height_px == camera.parameters().height_px);
-  FoundMarkers result;
-  for (Detection& detection : detector_->detect(image)) {
-    ++result.counts.found;
+  found_.detections.clear();
+  found_.counts = {};
+  for (const Detection& rough : detector_->detect(image)) {
+    ++found_.counts.found;
+    Detection detection = rough;
     if (!catalog_.size_m(detection.marker)) {
-      ++result.counts.unknown;
-    } else if (refine(image, camera, detection, result.counts)) {
-      result.detections.push_back(detection);
+      ++found_.counts.unknown;
+    } else if (refine(image, camera, detection)) {
+      found_.detections.push_back(detection);
     }
   }
-  result.counts.ambiguous = drop_ambiguous(result.detections);
-  result.counts.kept = static_cast<int>(result.detections.size());
-  return result;
+  drop_ambiguous();
+  found_.counts.kept = static_cast<int>(found_.detections.size());
+  return found_;
 }
 
 }  // namespace waymark

@@ -2,7 +2,7 @@
 
 #include <map>
 #include <memory>
-#include <span>
+#include <vector>
 
 #include "core/detect/corner_refiner.h"
 #include "core/detect/marker_detector.h"
@@ -42,18 +42,21 @@ class ImageDetector {
   /// The catalog must have an entry (checked).
   explicit ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options = {});
 
-  /// `camera` took the image and has its size (checked).
-  [[nodiscard]] FoundMarkers detect(const GrayView& image, const CameraModel& camera);
+  /// `camera` took the image and has its size (checked). The result is the detector's own, valid
+  /// until the next call; after some images nothing is allocated here, only by the library.
+  [[nodiscard]] const FoundMarkers& detect(const GrayView& image, const CameraModel& camera);
 
  private:
-  [[nodiscard]] const MarkerBits& bits_of(const MarkerId& marker);
-  [[nodiscard]] bool refine(const GrayView& image, const CameraModel& camera, Detection& detection,
-                            DetectionCounts& counts);
+  [[nodiscard]] bool refine(const GrayView& image, const CameraModel& camera, Detection& detection);
+  void drop_ambiguous();
 
   MarkerCatalog catalog_;
   ImageDetectorOptions options_;
   std::unique_ptr<MarkerDetector> detector_;
-  std::map<MarkerId, MarkerBits> bits_;
+  MarkerBitsTable bits_;
+  std::map<Family, int> correctable_bits_;
+  FoundMarkers found_;
+  std::vector<Detection> clear_;  ///< kept for its memory
 };
 
 }  // namespace waymark

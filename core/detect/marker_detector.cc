@@ -24,18 +24,19 @@ class CombinedDetector final : public MarkerDetector {
   explicit CombinedDetector(std::vector<std::unique_ptr<MarkerDetector>> parts)
       : parts_(std::move(parts)) {}
 
-  std::vector<Detection> detect(const GrayView& image) override {
-    std::vector<Detection> all;
+  const std::vector<Detection>& detect(const GrayView& image) override {
+    all_.clear();
     for (const auto& part : parts_) {
-      const std::vector<Detection> found = part->detect(image);
-      all.insert(all.end(), found.begin(), found.end());
+      const std::vector<Detection>& found = part->detect(image);
+      all_.insert(all_.end(), found.begin(), found.end());
     }
-    std::sort(all.begin(), all.end(), in_order);
-    return all;
+    std::sort(all_.begin(), all_.end(), in_order);
+    return all_;
   }
 
  private:
   std::vector<std::unique_ptr<MarkerDetector>> parts_;
+  std::vector<Detection> all_;
 };
 
 std::vector<Family> sorted_once(std::span<const Family> families) {

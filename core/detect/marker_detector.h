@@ -18,7 +18,8 @@ class MarkerDetector {
   virtual ~MarkerDetector() = default;
   /// All markers of the detector's families, by rising (id, first corner); no covariances yet. The
   /// same id may appear twice. Same image, same result, whatever the number of OpenCV's threads.
-  [[nodiscard]] virtual std::vector<Detection> detect(const GrayView& image) = 0;
+  /// The result is the detector's own, valid until the next call.
+  [[nodiscard]] virtual const std::vector<Detection>& detect(const GrayView& image) = 0;
 };
 
 /// What a detector looks for.

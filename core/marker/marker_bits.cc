@@ -30,6 +30,7 @@ MarkerBits marker_bits(const MarkerId& id) {
       dictionary->bytesList.rowRange(id.number, id.number + 1), family.code_cells);
   MarkerBits bits;
   bits.cells = family.code_cells + 2;
+  WAYMARK_CHECK(bits.cells <= kMaxMarkerCells);
   bits.white.assign(bits.index(bits.cells, 0), 0);
   const int last = family.code_cells - 1;
   const bool upside_down = opencv_draws_upside_down(id.family);
@@ -41,6 +42,23 @@ MarkerBits marker_bits(const MarkerId& id) {
     }
   }
   return bits;
+}
+
+MarkerBitsTable::MarkerBitsTable(std::span<const Family> families) {
+  for (const Family family : families) {
+    std::vector<MarkerBits>& markers = families_[family];
+    markers.clear();
+    for (int number = 0; number < traits(family).id_count; ++number) {
+      markers.push_back(marker_bits({family, number}));
+    }
+  }
+}
+
+const MarkerBits& MarkerBitsTable::of(const MarkerId& id) const {
+  const auto family = families_.find(id.family);
+  WAYMARK_CHECK(family != families_.end());
+  WAYMARK_CHECK(id.number >= 0 && id.number < static_cast<int>(family->second.size()));
+  return family->second[static_cast<std::size_t>(id.number)];
 }
 
 }  // namespace waymark

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
+#include <span>
 #include <vector>
 
 #include "core/marker/marker_id.h"
@@ -24,5 +26,21 @@ struct MarkerBits {
 };
 
 [[nodiscard]] MarkerBits marker_bits(const MarkerId& id);
+
+/// Most cells along the side of a marker that can be found in images, border included.
+inline constexpr int kMaxMarkerCells = 9;
+
+/// The cells of all markers of some families (each found in images, checked), made once: looking
+/// one up allocates nothing.
+class MarkerBitsTable {
+ public:
+  explicit MarkerBitsTable(std::span<const Family> families);
+
+  /// The marker must be one of the table's families' (checked).
+  [[nodiscard]] const MarkerBits& of(const MarkerId& id) const;
+
+ private:
+  std::map<Family, std::vector<MarkerBits>> families_;
+};
 
 }  // namespace waymark
