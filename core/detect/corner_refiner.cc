@@ -238,6 +238,10 @@ void Refinement::share_appearance(double log_blur_sigma) {
                                    other * std::log(appearances_[opposite].blur_px)) /
                                   (own + other));
     prior.log_blur_sigma = log_blur_sigma;
+    if (options_.blur) {
+      prior.mean.blur_px = std::exp(options_.blur->log_px);
+      prior.log_blur_sigma = options_.blur->log_sigma;
+    }
   }
 }
 
@@ -311,11 +315,12 @@ std::optional<Failure> Refinement::run() {
 
 /// Variance (px²) of a side's place at its start (0) or end (1).
 double Refinement::shift_variance(std::size_t side, Eigen::Index end) const {
-  // What the last pass still moved is error too. Where the paper is saturated, only the step's foot
-  // is seen, and what is extrapolated from it lies up to a part of the blur off.
-  constexpr double kSaturationBlurs = 0.15;
-  const double hidden_px =
-      kSaturationBlurs * steps_[side].saturated_share * appearances_[side].blur_px;
+  // What the last pass still moved is error too. Where all paper is saturated, only the step's foot
+  // is seen, and what is extrapolated from it lies up to a part of the blur off; the first
+  // unsaturated paper already tells how bright it is (measured on rendered rooms below lamps).
+  constexpr double kSaturationBlurs = 0.08;
+  const double share2 = steps_[side].saturated_share * steps_[side].saturated_share;
+  const double hidden_px = kSaturationBlurs * share2 * share2 * appearances_[side].blur_px;
   return steps_[side].covariance(end, end) + last_shift_px_ * last_shift_px_ +
          hidden_px * hidden_px;
 }
@@ -335,6 +340,7 @@ RefinedCorners Refinement::result() const {
         x_from_shift * variances.asDiagonal() * x_from_shift.transpose() +
         options_.model_sigma_px * options_.model_sigma_px * Eigen::Matrix2d::Identity();
     refined.blur_px += 0.25 * appearances_[i].blur_px;
+    refined.side_blurs[i] = {std::log(appearances_[i].blur_px), steps_[i].information_blur};
     refined.contrast_grey += 0.25 * appearances_[i].contrast_grey();
     refined.bow_px = std::max(refined.bow_px, std::abs(appearances_[i].bow_px));
     refined.saturated_share += 0.25 * steps_[i].saturated_share;

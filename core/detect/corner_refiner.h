@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string_view>
 #include <tl/expected.hpp>
 
@@ -9,6 +11,18 @@
 #include "core/marker/marker_bits.h"
 
 namespace waymark {
+
+/// How blurred a marker is before one looks: mean and standard deviation of ln(blur in px).
+struct BlurPrior {
+  double log_px = 0;
+  double log_sigma = 1;
+};
+
+/// What a side's pixels say of its blur.
+struct SideBlur {
+  double log_px = 0;
+  double information = 0;  ///< of ln blur, from the pixels alone
+};
 
 /// How corners are refined.
 struct RefineOptions {
@@ -22,6 +36,8 @@ struct RefineOptions {
   /// Error that the images' noise does not explain (paper, print, lens model), added to every
   /// corner's covariance (px per axis), in [0, 1].
   double model_sigma_px = 0.003;
+  /// What other markers of the image say of its blur: for saturated paper, which does not show it.
+  std::optional<BlurPrior> blur = std::nullopt;
 };
 
 /// Corners to a few hundredths of a pixel.
@@ -29,6 +45,7 @@ struct RefinedCorners {
   ImageCorners corners;           ///< pixels of the image as captured (distorted)
   CornerCovariances covariances;  ///< px²
   double blur_px = 0;  ///< standard deviation of point spread and pixel, mean of the sides
+  std::array<SideBlur, 4> side_blurs;
   double contrast_grey = 0;
   double residual_grey = 0;    ///< of the fitted pixels, RMS
   double bow_px = 0;           ///< most that a side bends beyond the lens model: calibration, paper

@@ -49,25 +49,55 @@ ImageDetector::ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOp
   }
 }
 
-/// Gives the detection exact corners and covariances; false, counted, where it is none.
-bool ImageDetector::refine(const GrayView& image, const CameraModel& camera, Detection& detection) {
-  const MarkerBits& bits = bits_.of(detection.marker);
-  const auto refined = refine_corners(image, camera, detection.corners, bits, options_.refine);
-  if (!refined) {
-    ++found_.counts.unrefined;
-    return false;
+/// Exact corners of everything found that the catalog knows; what has none is counted.
+void ImageDetector::refine_known(const GrayView& image, const CameraModel& camera) {
+  refined_.clear();
+  for (const Detection& rough : detector_->detect(image)) {
+    ++found_.counts.found;
+    if (!catalog_.size_m(rough.marker)) {
+      ++found_.counts.unknown;
+      continue;
+    }
+    const auto corners =
+        refine_corners(image, camera, rough.corners, bits_.of(rough.marker), options_.refine);
+    if (corners) {
+      refined_.push_back({rough, *corners});
+    } else {
+      ++found_.counts.unrefined;
+    }
   }
-  const auto reading = read_cells(image, refined->corners, bits);
-  const int border_cells = 4 * (bits.cells - 1);
-  if (!reading || reading->wrong_code_cells > correctable_bits_.at(detection.marker.family) ||
-      reading->wrong_border_cells > border_cells / 8) {
-    ++found_.counts.misread;
-    return false;
+}
+
+/// Saturated paper hides how blurred its edges are; the image's other markers show it.
+void ImageDetector::refine_saturated_again(const GrayView& image, const CameraModel& camera) {
+  blur_.clear();
+  for (const Refined& one : refined_) blur_.add(one.corners);
+  RefineOptions options = options_.refine;
+  options.blur = blur_.prior();
+  if (!options.blur) return;
+  for (Refined& one : refined_) {
+    if (one.corners.saturated_share < kSaturatedPaper) continue;
+    const auto corners =
+        refine_corners(image, camera, one.rough.corners, bits_.of(one.rough.marker), options);
+    if (corners) one.corners = *corners;
   }
-  detection.hamming = reading->wrong_code_cells;
-  detection.corners = refined->corners;
-  detection.covariances = refined->covariances;
-  return true;
+}
+
+/// What shows its marker's cells, read with the exact corners; the rest is counted.
+void ImageDetector::keep_readable(const GrayView& image) {
+  found_.detections.clear();
+  for (const Refined& one : refined_) {
+    const MarkerBits& bits = bits_.of(one.rough.marker);
+    const auto reading = read_cells(image, one.corners.corners, bits);
+    const int border_cells = 4 * (bits.cells - 1);
+    if (!reading || reading->wrong_code_cells > correctable_bits_.at(one.rough.marker.family) ||
+        reading->wrong_border_cells > border_cells / 8) {
+      ++found_.counts.misread;
+      continue;
+    }
+    found_.detections.push_back({one.rough.marker, one.corners.corners, one.corners.covariances,
+                                 reading->wrong_code_cells});
+  }
 }
 
 /// Of several readings of one square only that with the fewest corrected bits stays; none when two
@@ -90,17 +120,10 @@ void ImageDetector::drop_ambiguous() {
 const FoundMarkers& ImageDetector::detect(const GrayView& image, const CameraModel& camera) {
   WAYMARK_CHECK(image.width_px == camera.parameters().width_px &&
                 image.height_px == camera.parameters().height_px);
-  found_.detections.clear();
   found_.counts = {};
-  for (const Detection& rough : detector_->detect(image)) {
-    ++found_.counts.found;
-    Detection detection = rough;
-    if (!catalog_.size_m(detection.marker)) {
-      ++found_.counts.unknown;
-    } else if (refine(image, camera, detection)) {
-      found_.detections.push_back(detection);
-    }
-  }
+  refine_known(image, camera);
+  refine_saturated_again(image, camera);
+  keep_readable(image);
   drop_ambiguous();
   found_.counts.kept = static_cast<int>(found_.detections.size());
   return found_;

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "core/detect/common_blur.h"
 #include "core/detect/corner_refiner.h"
 #include "core/detect/marker_detector.h"
 #include "core/marker/marker_catalog.h"
@@ -34,9 +35,9 @@ struct FoundMarkers {
   DetectionCounts counts;
 };
 
-/// Finds the markers of a catalog in images: find and decode, refine the corners, read the cells
-/// again with them. What can't be refined or read is dropped and counted. Deterministic; one per
-/// thread.
+/// Finds the markers of a catalog in images: find and decode, refine the corners (those on
+/// saturated paper with the blur that the image's others show), read the cells again with them.
+/// What can't be refined or read is dropped and counted. Deterministic; one per thread.
 class ImageDetector {
  public:
   /// The catalog must have an entry (checked).
@@ -47,7 +48,14 @@ class ImageDetector {
   [[nodiscard]] const FoundMarkers& detect(const GrayView& image, const CameraModel& camera);
 
  private:
-  [[nodiscard]] bool refine(const GrayView& image, const CameraModel& camera, Detection& detection);
+  /// A marker of the catalog and its exact corners.
+  struct Refined {
+    Detection rough;
+    RefinedCorners corners;
+  };
+  void refine_known(const GrayView& image, const CameraModel& camera);
+  void refine_saturated_again(const GrayView& image, const CameraModel& camera);
+  void keep_readable(const GrayView& image);
   void drop_ambiguous();
 
   MarkerCatalog catalog_;
@@ -56,7 +64,9 @@ class ImageDetector {
   MarkerBitsTable bits_;
   std::map<Family, int> correctable_bits_;
   FoundMarkers found_;
-  std::vector<Detection> clear_;  ///< kept for its memory
+  std::vector<Refined> refined_;  ///< this and the next two kept for their memory
+  CommonBlur blur_;
+  std::vector<Detection> clear_;
 };
 
 }  // namespace waymark

@@ -138,5 +138,28 @@ TEST(ImageDetector, CountsAddUp) {
   EXPECT_EQ(sum.kept, 66);
 }
 
+TEST_F(FourMarkers, TellASaturatedOneHowBlurredItIs) {
+  RenderedMarker& bright = markers_.back();
+  bright.white = 330;  // clipped at 255
+  ImageDetector beside_others(catalog_of(Family::aruco_4x4_1000));
+  ImageDetector alone(catalog_of(Family::aruco_4x4_1000, {100, 101, 102}));
+  const ImageCorners truth = true_corners(camera_, bright);
+  const auto squared_error = [&](ImageDetector& detector) {
+    const auto& found = detector.detect(image_.view(), camera_).detections;
+    EXPECT_FALSE(found.empty());
+    double sum = 0;
+    for (std::size_t k = 0; k < 4; ++k) sum += (found.back().corners[k] - truth[k]).squaredNorm();
+    return sum;
+  };
+  double with_others = 0;
+  double by_itself = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    image_ = testing::render_markers(camera_, markers_, {.seed = seed});
+    with_others += squared_error(beside_others);
+    by_itself += squared_error(alone);
+  }
+  EXPECT_LT(with_others, 0.8 * by_itself);
+}
+
 }  // namespace
 }  // namespace waymark
