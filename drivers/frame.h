@@ -11,9 +11,11 @@ namespace waymark {
 
 /// How far a frame's stamp can be believed.
 enum class StampQuality : std::uint8_t {
-  exact,     ///< mid-exposure by the device's own clock
-  arrival,   ///< when the frame arrived, for the device's stamps can't be believed: UNSYNCED
-  replayed,  ///< as written in a capture
+  exact,        ///< mid-exposure by the device's own clock
+  approximate,  ///< by the device's clock, but where in the exposure it was taken is not known: the
+                ///< exposure is automatic, or the driver does not say
+  arrival,      ///< when the frame arrived, for the device's stamps can't be believed: UNSYNCED
+  replayed,     ///< as written in a capture
 };
 
 /// Who lends its buffers out as frames.

@@ -8,9 +8,15 @@
 
 namespace waymark {
 
+/// What a camera's device is, without starting it.
+struct DeviceReport {
+  std::string text;               ///< in a line: which device, what it can do
+  std::optional<int> holder_pid;  ///< of another program that has it open, where that can be seen
+};
+
 /// The seam to one camera, whatever brings its images: v4l2, libcamera, a capture played back.
-/// start, next and the destructor are called from one thread, stop from any. Frames may outlive
-/// stop, not the source.
+/// start, next and close are called from one thread, stop from any. Frames may outlive close, not
+/// the source.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
@@ -18,9 +24,10 @@ class FrameSource {
   /// The camera's name in the rig.
   [[nodiscard]] virtual const std::string& name() const = 0;
 
-  /// Opens the device and lets it run. May be called again after stop. Errors say what to do:
-  /// unavailable (absent, busy: by whom), permission (which group), config (a format that it can't
-  /// deliver: which it can).
+  /// Opens the device and lets it run; a second call opens it anew. Errors say what to do:
+  /// unavailable (absent, busy: by whom), permission (which group), io (it may work next time),
+  /// config (nothing but another configuration helps: a format that it can't deliver, another
+  /// serial number, two that can't be told apart).
   [[nodiscard]] virtual Status start() = 0;
 
   /// The next frame; nullopt when none came until `deadline` (CLOCK_MONOTONIC), after stop, or when
@@ -32,11 +39,24 @@ class FrameSource {
   /// Ends a waiting `next` soon; from any thread.
   virtual void stop() = 0;
 
+  /// Gives the device back to the system; frames that are lent stay as they are.
+  virtual void close() {}
+
   /// No frame will ever come again: a capture played to its end.
   [[nodiscard]] virtual bool ended() const { return false; }
 
-  /// Frames that the driver dropped since start: short, flagged as damaged, undecodable.
+  /// Frames that the driver dropped, ever: short, flagged as damaged, undecodable.
   [[nodiscard]] virtual std::uint64_t damaged() const { return 0; }
+
+  /// Frames that nobody got, ever: gaps in the device's count, and those for which every buffer
+  /// that may be lent was.
+  [[nodiscard]] virtual std::uint64_t lost() const { return 0; }
+
+  /// What the device is and can do. Errors: unavailable when it is absent, permission.
+  [[nodiscard]] virtual Expected<DeviceReport> inspect() = 0;
+
+  /// What runs, after start, in a line: format, rate, exposure, what stamps mean.
+  [[nodiscard]] virtual std::string describe() const { return {}; }
 };
 
 }  // namespace waymark

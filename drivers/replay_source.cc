@@ -48,6 +48,12 @@ class ReplaySource final : public FrameSource, public FrameLender {
 
   [[nodiscard]] std::uint64_t damaged() const override { return damaged_; }
 
+  [[nodiscard]] Expected<DeviceReport> inspect() override {
+    return DeviceReport{
+        fmt::format("{}, {} frames", capture_->folder().path.string(), entries_.size()),
+        std::nullopt};
+  }
+
   void take_back(std::uint32_t slot) noexcept override {
     const std::lock_guard lock(mutex_);
     lent_[slot] = 0;

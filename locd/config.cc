@@ -110,12 +110,31 @@ class ConfigReader {
       camera.gain = optional_number(f, "gain", 0, 1e6);
       camera.readout_us = optional_number(f, "readout_us", 0, 1e6);
       camera.stamp_delay_us = f.number("stamp_delay_us", -1e6, 1e6, 0.0);
+      camera.white_balance_k = optional_number(f, "white_balance_k", 1000, 20'000);
+      camera.focus = optional_number(f, "focus", 0, 1e6);
+      read_power_line(f, camera);
       const auto same_name = [&](const auto& other) { return other.name == camera.name; };
       if (std::any_of(config_.cameras.begin(), config_.cameras.end(), same_name)) {
         f.reject("name", fmt::format("{} is named twice", camera.name));
       }
+      const auto same_device = [&](const auto& other) {
+        return camera.driver != CameraDriver::replay && other.driver == camera.driver &&
+               other.device == camera.device;
+      };
+      if (std::any_of(config_.cameras.begin(), config_.cameras.end(), same_device)) {
+        f.reject("device", fmt::format("{} is another camera's already", camera.device));
+      }
       config_.cameras.push_back(camera);
     });
+  }
+
+  static void read_power_line(TomlFields& fields, Config::Camera& camera) {
+    const auto hz = optional_number(fields, "power_line_hz", 0, 60);
+    if (!hz) return;
+    if (*hz != 0 && *hz != 50 && *hz != 60) {
+      fields.reject("power_line_hz", "power_line_hz must be 0 (off), 50 or 60");
+    }
+    camera.power_line_hz = static_cast<int>(*hz);
   }
 
   static std::optional<double> optional_number(TomlFields& fields, std::string_view key, double low,

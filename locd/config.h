@@ -28,13 +28,16 @@ struct Config {
   struct Camera {
     std::string name;  ///< that of the camchain: cam0, …
     CameraDriver driver = CameraDriver::v4l2;
-    std::string device;  ///< path, by-id or bus; of replay, a capture folder, looped
+    std::string device;  ///< a link, "serial=…", "bus=…"; of replay, a capture folder, looped
     std::string format;  ///< empty: what the device offers
     double fps = 0;      ///< 1/s; 0: what the device does
     std::optional<double> exposure_us;
     std::optional<double> gain;
     std::optional<double> readout_us;  ///< µs, rolling shutter, first to last row; else rig.yaml's
     double stamp_delay_us = 0;         ///< µs, taken off every stamp of the camera
+    std::optional<double> white_balance_k;  ///< K
+    std::optional<double> focus;            ///< in the device's unit
+    std::optional<int> power_line_hz;       ///< 0 (off), 50 or 60
     bool operator==(const Camera&) const = default;
   };
   std::vector<Camera> cameras;

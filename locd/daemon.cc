@@ -14,6 +14,7 @@
 #include "locd/control_socket.h"
 #include "locd/localization_thread.h"
 #include "locd/quarantine.h"
+#include "locd/realtime.h"
 #include "locd/recorder.h"
 #include "locd/rig_capture.h"
 #include "locd/service_log.h"
@@ -119,6 +120,7 @@ struct Daemon::Parts {
   std::vector<RigCapture::CameraState> cameras;
   std::string reload_refused;
   bool was_recording = false;
+  std::optional<Error> refusal;
   Stamp started{0};
   Stamp last_status{0};
   bool ready = false;
@@ -149,6 +151,10 @@ Daemon::~Daemon() = default;
 
 Telemetry& Daemon::telemetry() { return parts_->telemetry; }
 
+void Daemon::devices_came() { parts_->capture.retry(); }
+
+const std::optional<Error>& Daemon::refusal() const { return parts_->refusal; }
+
 int Daemon::control_descriptor() const {
   return parts_->control ? parts_->control->descriptor() : -1;
 }
@@ -163,8 +169,15 @@ Status Daemon::start() {
     if (auto recording = p.start_recording(*p.options.record); !recording) return recording;
   }
   p.started = p.last_status = monotonic_now();
-  p.capture.start();
-  p.localization.start();
+  const Config::Service& service = p.setup.config.service;
+  if (service.realtime) {
+    if (auto permitted = check_realtime(); !permitted) return permitted;
+  }
+  if (service.lock_memory) {
+    if (auto locked = lock_memory(); !locked) return locked;
+  }
+  p.capture.start(service.realtime);
+  p.localization.start(service.realtime);
   p.log.note(fmt::format("session {}: {} cameras, {} markers{}", p.telemetry.session().session_id,
                          p.setup.rig.cameras.size(), marker_count(p.setup),
                          p.setup.map_hash.empty() ? "" : ", map " + p.setup.map_hash));
@@ -196,9 +209,15 @@ void Daemon::Parts::look_at_cameras(Stamp now) {
   const Stamp grace = std::chrono::seconds(2);
   pass_on(report.camera_alerts(cameras, now, grace), now);
   bool all_run = true;
-  for (const auto& camera : cameras) all_run = all_run && camera.running;
+  for (std::size_t c = 0; c < cameras.size(); ++c) {
+    all_run = all_run && cameras[c].running;
+    if (!ready && !refusal && cameras[c].misconfigured) {
+      refusal = Error{ErrorKind::config,
+                      fmt::format("{}: {}", setup.rig.cameras[c].name, cameras[c].error)};
+    }
+  }
   const auto waited = std::chrono::duration<double>(now - started).count();
-  if (!ready && (all_run || waited >= setup.config.service.startup_wait_s)) {
+  if (!ready && !refusal && (all_run || waited >= setup.config.service.startup_wait_s)) {
     ready = true;
     notifier.ready(all_run ? "all cameras stream" : "ready; not all cameras stream");
   }

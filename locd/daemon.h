@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "drivers/frame_source.h"
 #include "locd/setup.h"
 #include "locd/telemetry.h"
 
@@ -46,6 +47,12 @@ class Daemon {
   /// Ends the threads: false when one of them is stuck in a driver's call after `patience`. Until a
   /// later call says true the object must not be destroyed: the process may end without.
   [[nodiscard]] bool stop(Stamp patience);
+
+  /// Video devices have come: cameras that are absent are tried at once.
+  void devices_came();
+  /// Before the service is ready: why no start can go well with this configuration. A camera that
+  /// is only absent is no reason.
+  [[nodiscard]] const std::optional<Error>& refusal() const;
 
   /// What a waiting service loop may watch for requests; −1 before start.
   [[nodiscard]] int control_descriptor() const;

@@ -7,8 +7,12 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <iostream>
 
+#include "drivers/device_monitor.h"
 #include "drivers/monotonic_clock.h"
+#include "locd/camera_check.h"
+#include "locd/camera_sources.h"
 #include "locd/instance_lock.h"
 
 namespace waymark {
@@ -28,23 +32,39 @@ int signals_as_descriptor() {
   return ::signalfd(-1, &wanted, SFD_CLOEXEC | SFD_NONBLOCK);
 }
 
+std::filesystem::path lock_file(const DaemonOptions& options) {
+  return options.runtime_folder / "locd.pid";
+}
+
+/// nullopt, with a note, where the system does not tell of devices.
+std::optional<DeviceMonitor> open_device_monitor() {
+  auto monitor = DeviceMonitor::open();
+  if (monitor) return std::move(*monitor);
+  fmt::print(stderr, "note: {}\n", monitor.error().message);
+  return std::nullopt;
+}
+
 int report_failure(const Error& error) {
   fmt::print(stderr, "locd: {}\n", error.message);
   return error.exit_code();
 }
 
-/// Turns until a signal ends it.
-void serve(Daemon& daemon, int signals) {
+/// Turns until a signal, or a camera that can't be meant, ends it.
+Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor) {
   for (Stamp due = monotonic_now();; due += kTurn) {
     daemon.turn(monotonic_now());
+    if (daemon.refusal()) return tl::make_unexpected(*daemon.refusal());
     for (Stamp left = due + kTurn - monotonic_now(); left > Stamp{0};
          left = due + kTurn - monotonic_now()) {
-      pollfd watched[] = {{signals, POLLIN, 0}, {daemon.control_descriptor(), POLLIN, 0}};
+      pollfd watched[] = {{signals, POLLIN, 0},
+                          {daemon.control_descriptor(), POLLIN, 0},
+                          {monitor ? monitor->descriptor() : -1, POLLIN, 0}};
       const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
-      if (::poll(watched, 2, static_cast<int>(left_ms)) <= 0) continue;
+      if (::poll(watched, 3, static_cast<int>(left_ms)) <= 0) continue;
+      if (monitor && monitor->device_came()) daemon.devices_came();
       signalfd_siginfo signal{};
       while (::read(signals, &signal, sizeof signal) == sizeof signal) {
-        if (signal.ssi_signo != SIGHUP) return;
+        if (signal.ssi_signo != SIGHUP) return {};
         daemon.reload();
       }
     }
@@ -57,26 +77,30 @@ int run_daemon(const DaemonOptions& options) {
   const int signals = signals_as_descriptor();
   auto setup = load_setup(options.config);
   if (!setup) return report_failure(setup.error());
-  const auto lock = InstanceLock::take(options.runtime_folder / "locd.pid");
+  const auto lock = InstanceLock::take(lock_file(options));
   if (!lock) return report_failure(lock.error());
   auto sources = make_sources(*setup);
   if (!sources) return report_failure(sources.error());
   auto daemon = std::make_unique<Daemon>(options, std::move(*setup), std::move(*sources));
   if (auto started = daemon->start(); !started) return report_failure(started.error());
-  serve(*daemon, signals);
-  if (daemon->stop(kStopPatience)) return 0;
+  auto monitor = open_device_monitor();
+  const Status served = serve(*daemon, signals, monitor);
+  const int code = served ? 0 : report_failure(served.error());
+  if (daemon->stop(kStopPatience)) return code;
   fmt::print(stderr, "locd: a driver does not return; ending without it\n");
   std::fflush(nullptr);
-  std::_Exit(0);
+  std::_Exit(code);
 }
 
-Status check_configuration(const std::filesystem::path& config) {
-  const auto setup = load_setup(config);
+Status check_configuration(const DaemonOptions& options) {
+  const auto setup = load_setup(options.config);
   if (!setup) return tl::make_unexpected(setup.error());
   const auto sources = make_sources(*setup);
   if (!sources) return tl::make_unexpected(sources.error());
   for (const std::string& note : setup->notes) fmt::print(stderr, "note: {}\n", note);
-  fmt::print("{}: {} cameras, {} markers{}; all is well\n", config.string(),
+  const auto owner = InstanceLock::holder(lock_file(options));
+  if (auto checked = check_cameras(*sources, owner, std::cout); !checked) return checked;
+  fmt::print("{}: {} cameras, {} markers{}; all is well\n", options.config.string(),
              setup->rig.cameras.size(), setup->map ? setup->map->submaps.front().markers.size() : 0,
              setup->map ? ", map " + setup->map_hash : std::string(", no map"));
   return {};

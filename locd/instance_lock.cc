@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "core/base/system_call.h"
+#include "core/base/text_field.h"
 
 namespace waymark {
 namespace {
@@ -45,6 +46,13 @@ Expected<InstanceLock> InstanceLock::take(const std::filesystem::path& file) {
     return fail(ErrorKind::io, "{}: can't write: {}", file.string(), system_reason());
   }
   return InstanceLock(std::move(opened));
+}
+
+std::optional<int> InstanceLock::holder(const std::filesystem::path& file) {
+  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  // Whoever gets the lock, which ends with the descriptor, knows that nobody holds it.
+  if (!opened.valid() || ::flock(opened.get(), LOCK_SH | LOCK_NB) == 0) return std::nullopt;
+  return parse_whole<int>(pid_in(opened.get()));
 }
 
 }  // namespace waymark

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "core/base/descriptor.h"
 #include "core/base/error.h"
@@ -14,6 +15,9 @@ class InstanceLock {
   /// Takes `file` (created where absent, with its folder). Errors: unavailable, naming the pid of
   /// the process that holds it; permission and cant_create when the file can't be made.
   [[nodiscard]] static Expected<InstanceLock> take(const std::filesystem::path& file);
+
+  /// The pid of the process that holds `file`; nullopt: none, or none that we may see.
+  [[nodiscard]] static std::optional<int> holder(const std::filesystem::path& file);
 
  private:
   explicit InstanceLock(Descriptor file) : file_(std::move(file)) {}

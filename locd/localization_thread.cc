@@ -1,6 +1,7 @@
 #include "locd/localization_thread.h"
 
 #include "drivers/monotonic_clock.h"
+#include "locd/realtime.h"
 
 namespace waymark {
 namespace {
@@ -21,9 +22,14 @@ LocalizationThread::LocalizationThread(RigCapture& capture, Telemetry& telemetry
 
 LocalizationThread::~LocalizationThread() { stop(); }
 
-void LocalizationThread::start() {
+void LocalizationThread::start(bool realtime) {
   stopping_ = false;
-  thread_ = std::thread([this] { run(); });
+  thread_ = std::thread([this, realtime] {
+    name_thread("localization");
+    // The start of the program has found out whether it may.
+    if (realtime) static_cast<void>(make_realtime(kLocalizationPriority));
+    run();
+  });
 }
 
 void LocalizationThread::stop() {

@@ -36,7 +36,8 @@ class LocalizationThread {
   LocalizationThread(const LocalizationThread&) = delete;
   LocalizationThread& operator=(const LocalizationThread&) = delete;
 
-  void start();
+  /// `realtime`: on SCHED_FIFO, where the system permits it.
+  void start(bool realtime = false);
   /// Ends after the set it is at.
   void stop();
 

@@ -7,6 +7,7 @@
 #include <exception>
 #include <iostream>
 
+#include "locd/camera_list.h"
 #include "locd/daemon_command.h"
 #include "locd/replay_command.h"
 
@@ -36,6 +37,13 @@ void add_daemon_options(CLI::App& app, DaemonOptions& daemon, bool& check) {
       ->needs(config);
 }
 
+/// The exit code that says how it went, and a line on stderr when it went wrong.
+int report(const Status& status) {
+  if (status) return 0;
+  fmt::print(stderr, "locd: {}\n", status.error().message);
+  return status.error().exit_code();
+}
+
 int run(int argc, char** argv) {
   CLI::App app{"locd: tells a vehicle where it is, by the markers its cameras see"};
   app.set_version_flag("--version", WAYMARK_VERSION);
@@ -44,7 +52,9 @@ int run(int argc, char** argv) {
   DaemonOptions daemon = options_from_environment();
   daemon.version = WAYMARK_VERSION;
   bool check = false;
+  bool list = false;
   add_daemon_options(app, daemon, check);
+  app.add_flag("--list-cameras", list, "print a [[camera]] block per camera that is plugged in");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
@@ -53,17 +63,16 @@ int run(int argc, char** argv) {
     app.exit(error, std::cerr, std::cerr);
     return static_cast<int>(ErrorKind::usage);
   }
+  if (list) return report(list_cameras(*kernel_video_system(), std::cout));
   const bool replays = app.count("--replay") > 0;
   if (replays == (app.count("--config") > 0)) {
-    fmt::print(stderr, "locd: either --config FILE or --replay CAPTURE --map MAP; see --help\n");
+    fmt::print(stderr,
+               "locd: --config FILE, --replay CAPTURE --map MAP or --list-cameras; see --help\n");
     return static_cast<int>(ErrorKind::usage);
   }
   if (!replays && !check) return run_daemon(daemon);
-  const Status status = replays ? run_replay(replay, stop_requested, std::cout, std::cerr)
-                                : check_configuration(daemon.config);
-  if (status) return 0;
-  fmt::print(stderr, "locd: {}\n", status.error().message);
-  return status.error().exit_code();
+  return report(replays ? run_replay(replay, stop_requested, std::cout, std::cerr)
+                        : check_configuration(daemon));
 }
 
 }  // namespace

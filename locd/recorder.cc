@@ -5,6 +5,7 @@
 #include "core/capture/jpeg.h"
 #include "core/capture/pgm.h"
 #include "drivers/monotonic_clock.h"
+#include "locd/realtime.h"
 
 namespace waymark {
 
@@ -31,7 +32,10 @@ Status Recorder::start(const std::filesystem::path& path, const RecordingFacts& 
   for (std::size_t i = 0; i < kSlots; ++i) free_.push_back(i);
   encoded_.resize(facts.cameras.size());
   state_ = {true, path, folder->sets(), folder->bytes(), state_.drops, std::nullopt};
-  thread_ = std::thread([this, moved = std::move(*folder)]() mutable { run(std::move(moved)); });
+  thread_ = std::thread([this, moved = std::move(*folder)]() mutable {
+    name_thread("recorder");
+    run(std::move(moved));
+  });
   return {};
 }
 

@@ -27,6 +27,8 @@ std::string_view name_of(StampQuality quality) {
   switch (quality) {
     case StampQuality::exact:
       return "exact";
+    case StampQuality::approximate:
+      return "approximate";
     case StampQuality::arrival:
       return "arrival";
     case StampQuality::replayed:

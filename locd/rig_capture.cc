@@ -4,6 +4,7 @@
 
 #include "core/base/check.h"
 #include "drivers/monotonic_clock.h"
+#include "locd/realtime.h"
 
 namespace waymark {
 namespace {
@@ -30,12 +31,12 @@ RigCapture::RigCapture(std::vector<std::unique_ptr<FrameSource>> sources,
 
 RigCapture::~RigCapture() { stop(); }
 
-void RigCapture::start() {
+void RigCapture::start(bool realtime) {
   const std::lock_guard lock(mutex_);
   stopping_ = false;
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
     WAYMARK_CHECK(!cameras_[c].thread.joinable());
-    cameras_[c].thread = std::thread([this, c] { run(c); });
+    cameras_[c].thread = std::thread([this, c, realtime] { run(c, realtime); });
   }
 }
 
@@ -51,26 +52,32 @@ void RigCapture::stop() {
   }
 }
 
-void RigCapture::run(std::size_t index) {
+void RigCapture::run(std::size_t index, bool realtime) {
   Camera& camera = cameras_[index];
+  name_thread(camera.source->name());
+  // The start of the program has found out whether it may.
+  if (realtime) static_cast<void>(make_realtime(kCapturePriority));
   Stamp pause_for = kFirstPause;
+  std::uint64_t retries_seen = 0;
   const auto note = [&](auto&& change) {
     const std::lock_guard lock(mutex_);
     camera.state.last_turn = monotonic_now();
     change(camera.state);
     return !stopping_;
   };
-  while (note([](CameraState&) {})) {
+  while (note([&](CameraState&) { retries_seen = retries_; })) {
     const Status started = camera.source->start();
     note([&](CameraState& state) {
       ++state.starts;
       state.error = started ? "" : started.error().message;
+      state.misconfigured = !started && started.error().kind == ErrorKind::config;
     });
     bool running = started.has_value();
     while (running && !camera.source->ended()) {
       auto frame = camera.source->next(monotonic_now() + kTurn);
       running = note([&](CameraState& state) {
         state.damaged = camera.source->damaged();
+        state.lost = camera.source->lost();
         if (!frame) state.error = frame.error().message;
       });
       if (!frame) break;
@@ -79,18 +86,31 @@ void RigCapture::run(std::size_t index) {
       deliver(index, std::move(**frame));
     }
     if (camera.source->ended()) break;
-    if (!pause(pause_for)) break;
-    pause_for = std::min(2 * pause_for, kLongestPause);
+    if (!pause(camera, pause_for, retries_seen)) break;
   }
+  camera.source->close();
   const std::lock_guard lock(mutex_);
   camera.ended = true;
   changed_.notify_all();
 }
 
-bool RigCapture::pause(Stamp duration) {
+bool RigCapture::pause(Camera& camera, Stamp& duration, std::uint64_t retries_seen) {
   std::unique_lock lock(mutex_);
-  changed_.wait_until(lock, as_time_point(monotonic_now() + duration), [&] { return stopping_; });
+  const Stamp end = monotonic_now() + duration;
+  const auto ended = [&] { return stopping_ || retries_ != retries_seen; };
+  // To wait for a device is a turn.
+  for (Stamp now{0}; !ended() && (now = monotonic_now()) < end;) {
+    camera.state.last_turn = now;
+    changed_.wait_until(lock, as_time_point(std::min(now + kTurn, end)), ended);
+  }
+  duration = ended() ? kFirstPause : std::min(2 * duration, kLongestPause);
   return !stopping_;
+}
+
+void RigCapture::retry() {
+  const std::lock_guard lock(mutex_);
+  ++retries_;
+  changed_.notify_all();
 }
 
 void RigCapture::deliver(std::size_t camera, Frame frame) {

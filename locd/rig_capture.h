@@ -14,7 +14,7 @@
 namespace waymark {
 
 /// All cameras of a rig, each in a thread of its own, and the newest frame set they gave. A camera
-/// that fails is started again, after a pause that grows to 5 s.
+/// that fails is started again, after a pause that grows to 5 s and that a device's coming ends.
 class RigCapture {
  public:
   /// One source per camera, by the rig's order; `stamp_delays` likewise, or none.
@@ -24,10 +24,13 @@ class RigCapture {
   RigCapture(const RigCapture&) = delete;
   RigCapture& operator=(const RigCapture&) = delete;
 
-  /// Starts the threads.
-  void start();
+  /// Starts the threads; `realtime`: on SCHED_FIFO, where the system permits it.
+  void start(bool realtime = false);
   /// Ends them; within a second where the drivers' calls return.
   void stop();
+
+  /// A device has come: cameras that pause are started again at once.
+  void retry();
 
   /// The newest set that was not taken yet; nullopt when none came until `deadline`
   /// (CLOCK_MONOTONIC), after stop, or when all sources have ended.
@@ -43,10 +46,13 @@ class RigCapture {
     Stamp last_turn{0};    ///< when its loop last turned: a watchdog's food
     std::uint64_t frames = 0;
     std::uint64_t damaged = 0;
+    std::uint64_t lost = 0;  ///< frames that the device took and nobody got
     std::uint64_t starts = 0;
     bool unsynced = false;  ///< its stamps can't be believed; arrival times are used
     DropCounts dropped{};
     std::string error;  ///< of the last start or frame that failed; empty: none
+    bool misconfigured =
+        false;  ///< its last start failed for what only another configuration mends
   };
   [[nodiscard]] CameraState state(std::size_t camera) const;
   [[nodiscard]] CameraMask quorum() const;
@@ -59,11 +65,12 @@ class RigCapture {
     bool ended = false;
     std::thread thread;
   };
-  void run(std::size_t camera);
+  void run(std::size_t camera, bool realtime);
   void deliver(std::size_t camera, Frame frame);
   /// With the mutex held: makes sets that are ready the newest one.
   void gather(Stamp now);
-  bool pause(Stamp duration);
+  /// False when it shall stop; `duration` is what to wait for the next time.
+  bool pause(Camera& camera, Stamp& duration, std::uint64_t retries_seen);
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
@@ -71,6 +78,7 @@ class RigCapture {
   FrameSynchronizer synchronizer_;
   std::optional<FrameSetLease> newest_;
   bool stopping_ = false;
+  std::uint64_t retries_ = 0;  ///< calls of retry()
 };
 
 }  // namespace waymark

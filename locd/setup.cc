@@ -9,7 +9,6 @@
 #include "core/camera/kalibr.h"
 #include "core/map/map_file.h"
 #include "core/marker/marker_catalog.h"
-#include "drivers/replay_source.h"
 
 namespace waymark {
 namespace {
@@ -137,36 +136,6 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
         "no [record] markers: recordings need a markers.toml before mapbuilder reads them");
   }
   return setup;
-}
-
-Expected<std::vector<std::unique_ptr<FrameSource>>> make_sources(const Setup& setup) {
-  std::map<std::string, std::vector<std::unique_ptr<FrameSource>>> replayed;
-  std::vector<std::unique_ptr<FrameSource>> sources;
-  for (const Config::Camera& camera : setup.config.cameras) {
-    if (camera.driver != CameraDriver::replay) {
-      return fail(ErrorKind::unavailable,
-                  "[[camera]] {}: this build has no driver for real cameras; use \"replay\"",
-                  camera.name);
-    }
-    if (!replayed.contains(camera.device)) {
-      ReplayOptions options;
-      options.realtime = true;
-      options.loop = true;
-      auto capture = ReplayCapture::open(camera.device, options);
-      if (!capture) return tl::make_unexpected(capture.error());
-      replayed[camera.device] = ReplayCapture::sources(*capture);
-    }
-    auto& of_capture = replayed[camera.device];
-    const auto found = std::find_if(of_capture.begin(), of_capture.end(), [&](const auto& source) {
-      return source != nullptr && source->name() == camera.name;
-    });
-    if (found == of_capture.end()) {
-      return fail(ErrorKind::config, "[[camera]] {}: {} has no such camera", camera.name,
-                  camera.device);
-    }
-    sources.push_back(std::move(*found));
-  }
-  return sources;
 }
 
 bool same_rig(const Rig& a, const Rig& b) { return format_camchain(a) == format_camchain(b); }

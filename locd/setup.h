@@ -1,14 +1,12 @@
 #pragma once
 
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/camera/rig.h"
 #include "core/map/marker_map.h"
-#include "drivers/frame_source.h"
 #include "locd/config.h"
 #include "locd/localizer.h"
 
@@ -27,11 +25,8 @@ struct Setup {
 
 /// Reads configuration, rig, map and replayed captures. Errors: those of the readers; config for
 /// [[camera]] blocks and rig cameras that don't match, more than kMaxCameras, several cameras
-/// without transforms; unavailable for a driver that this build lacks.
+/// without transforms.
 [[nodiscard]] Expected<Setup> load_setup(const std::filesystem::path& config);
-
-/// A source per camera of the rig. Errors: those of the drivers.
-[[nodiscard]] Expected<std::vector<std::unique_ptr<FrameSource>>> make_sources(const Setup& setup);
 
 /// Whether two rigs are the same in everything that cameras and localization depend on.
 [[nodiscard]] bool same_rig(const Rig& a, const Rig& b);

@@ -68,17 +68,19 @@ void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
                         status_t& status) {
   DropCounts dropped{};
   std::uint64_t damaged = 0;
+  std::uint64_t lost = 0;
   status.cameras.resize(states.size());
   status.camera_count = static_cast<std::int32_t>(states.size());
   for (std::size_t c = 0; c < states.size(); ++c) {
     const RigCapture::CameraState& state = states[c];
     camera_status_t& camera = status.cameras[c];
-    std::uint64_t unused = state.damaged;
+    std::uint64_t unused = state.damaged + state.lost;
     for (std::size_t r = 0; r < kDropReasons; ++r) {
       unused += state.dropped[r];
       dropped[r] += state.dropped[r];
     }
     damaged += state.damaged;
+    lost += state.lost;
     camera.name = cameras_[c].name;
     camera.state = state_of(state);
     camera.usable = static_cast<std::int8_t>((counts.unhealthy & camera_bit(c)) == 0);
@@ -99,6 +101,7 @@ void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
     add(name_of(static_cast<DropReason>(r)), dropped[r]);
   }
   add("damaged", damaged);
+  add("lost", lost);
   add("over_budget", counts.late);
   add("overload", counts.skipped);
   add("alerts", counts.alerts_lost);

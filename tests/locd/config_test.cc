@@ -50,6 +50,9 @@ exposure_us = 2000
 gain = 4.5
 readout_us = 12000
 stamp_delay_us = -150
+white_balance_k = 4600
+focus = 30
+power_line_hz = 50
 [[camera]]
 name = "cam1"
 driver = "libcamera"
@@ -89,8 +92,18 @@ lock_memory = true
   EXPECT_TRUE((config->rig.base_from_rig * Eigen::Vector3d(1, 0, 0))
                   .isApprox(Eigen::Vector3d(0.5, 1.25, 1.5)));
   ASSERT_EQ(config->cameras.size(), 2U);
-  const Config::Camera left{
-      "cam0", CameraDriver::v4l2, "/dev/v4l/by-id/left", "GREY", 30, 2000.0, 4.5, 12000.0, -150};
+  const Config::Camera left{"cam0",
+                            CameraDriver::v4l2,
+                            "/dev/v4l/by-id/left",
+                            "GREY",
+                            30,
+                            2000.0,
+                            4.5,
+                            12000.0,
+                            -150,
+                            4600.0,
+                            30.0,
+                            50};
   EXPECT_EQ(config->cameras[0], left);
   EXPECT_EQ(config->cameras[1].driver, CameraDriver::libcamera);
   EXPECT_EQ(config->sync, (Config::Sync{false, 20000, 40, 2}));

@@ -66,6 +66,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
     }
     return Frame(info, image.view(), nullptr, this, 0);
   }
+  [[nodiscard]] Expected<DeviceReport> inspect() override { return DeviceReport{name_, {}}; }
   void stop() override {
     const std::lock_guard lock(mutex_);
     stopped_ = true;

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <vector>
+
+#include "drivers/frame.h"
+
+namespace waymark {
+
+/// Which buffers of a camera's stream are lent out as frames. What comes back is left for the
+/// camera's own thread to fetch, so that whoever is done with a frame never waits for a driver. A
+/// stream that ends while some are lent leaves its memory here until the last one is back.
+class BufferLender final : public FrameLender {
+ public:
+  /// A stream begins whose buffers lie in `memory`; at most `limit` of them are lent at a time.
+  void begin(std::shared_ptr<const void> memory, std::size_t limit);
+  /// It ends: what comes back from now on is of no more use.
+  void end();
+
+  /// The slot of a frame that takes buffer `index` (< kMaxBuffers) along; nullopt when as many are
+  /// lent as may be.
+  [[nodiscard]] std::optional<std::uint32_t> lend(std::uint32_t index);
+
+  /// Buffers of the running stream that came back since the last call.
+  [[nodiscard]] std::vector<std::uint32_t> take_returned();
+
+  void take_back(std::uint32_t slot) noexcept override;
+
+  static constexpr std::uint32_t kMaxBuffers = 32;
+
+ private:
+  struct Stream {
+    std::uint32_t number = 0;
+    std::shared_ptr<const void> memory;
+    std::size_t lent = 0;
+  };
+
+  std::mutex mutex_;
+  std::vector<Stream> streams_;  ///< the last one runs, unless ended; the others await frames
+  bool running_ = false;
+  std::size_t limit_ = 0;
+  std::uint32_t next_number_ = 0;
+  std::vector<std::uint32_t> returned_;
+};
+
+}  // namespace waymark

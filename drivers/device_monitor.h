@@ -1,0 +1,29 @@
+#pragma once
+
+#include <memory>
+
+#include "core/base/error.h"
+
+namespace waymark {
+
+/// Hears of video devices that come: what udev announces once their links and permissions stand.
+class DeviceMonitor {
+ public:
+  /// unavailable where the system gives no such announcements.
+  [[nodiscard]] static Expected<DeviceMonitor> open();
+
+  /// Readable when there may be something to hear.
+  [[nodiscard]] int descriptor() const;
+
+  /// Whether a video device has come since the last call. Never waits.
+  [[nodiscard]] bool device_came();
+
+ private:
+  struct Parts;
+  struct Closer {
+    void operator()(Parts* parts) const;
+  };
+  std::unique_ptr<Parts, Closer> parts_;
+};
+
+}  // namespace waymark

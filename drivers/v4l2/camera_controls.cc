@@ -1,0 +1,221 @@
+#include "drivers/v4l2/camera_controls.h"
+
+#include <cerrno>
+#include <cmath>
+
+#include "drivers/v4l2/node_error.h"
+
+namespace waymark {
+namespace {
+
+/// V4L2_CID_EXPOSURE_ABSOLUTE counts in these.
+constexpr double kExposureUnit_us = 100;
+
+struct Range {
+  std::uint32_t id = 0;
+  double low = 0;
+  double high = 0;
+  double step = 1;
+};
+
+/// One device's controls, as far as they are there.
+class ControlPanel {
+ public:
+  explicit ControlPanel(VideoNode& node) : node_(node) {}
+
+  [[nodiscard]] std::optional<Range> find(std::uint32_t id) {
+    v4l2_queryctrl query{};
+    query.id = id;
+    if (node_.request(VIDIOC_QUERYCTRL, &query) != 0) return std::nullopt;
+    if ((query.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return std::nullopt;
+    return Range{id, static_cast<double>(query.minimum), static_cast<double>(query.maximum),
+                 std::max(1.0, static_cast<double>(query.step))};
+  }
+  /// The first of several that the device has.
+  [[nodiscard]] std::optional<Range> find_one_of(std::initializer_list<std::uint32_t> ids) {
+    for (const std::uint32_t id : ids) {
+      if (const auto range = find(id)) return range;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<int> read(std::uint32_t id) {
+    v4l2_control control{};
+    control.id = id;
+    if (node_.request(VIDIOC_G_CTRL, &control) != 0) return std::nullopt;
+    return control.value;
+  }
+
+  /// Whether the device has it at `value` now. A device that is gone is an error, one that refuses
+  /// is not.
+  [[nodiscard]] Expected<bool> write(std::uint32_t id, int value) {
+    v4l2_control control{};
+    control.id = id;
+    control.value = value;
+    const int failed = node_.request(VIDIOC_S_CTRL, &control);
+    const bool refused = failed == EINVAL || failed == ERANGE || failed == EACCES;
+    if (failed != 0 && !refused) {
+      return tl::make_unexpected(node_error(node_, "can't set a control", failed));
+    }
+    return read(id) == value;
+  }
+
+  /// Sets `value` of whatever `key` names in locd.toml to the next step; what the device has then.
+  Expected<double> set(std::string_view key, const std::optional<Range>& range, double value,
+                       double unit) {
+    if (!range) {
+      return fail(ErrorKind::config, "{}: {} = {}: the device has no such control; leave it out",
+                  node_.path(), key, value);
+    }
+    const double steps = std::round((value / unit - range->low) / range->step);
+    const double target = range->low + steps * range->step;
+    const bool inside = target >= range->low && target <= range->high;
+    if (inside) {
+      const auto written = write(range->id, static_cast<int>(target));
+      if (!written) return tl::make_unexpected(written.error());
+    }
+    const auto now = read(range->id);
+    if (!now) return fail(ErrorKind::io, "{}: {} can't be read back", node_.path(), key);
+    if (inside && std::abs(*now - target) <= range->step) return *now * unit;
+    return fail(ErrorKind::config,
+                "{}: {} = {} can't be set, the device has {}; it takes {} to {} in steps of {}",
+                node_.path(), key, value, *now * unit, range->low * unit, range->high * unit,
+                range->step * unit);
+  }
+
+  /// Switches an automatism off where the device has it: to the first of `manual` that it takes.
+  /// False when it stays on.
+  [[nodiscard]] Expected<bool> switch_off(std::uint32_t id, std::initializer_list<int> manual) {
+    if (!find(id)) return true;
+    for (const int value : manual) {
+      const auto off = write(id, value);
+      if (!off || *off) return off;
+    }
+    return false;
+  }
+
+ private:
+  VideoNode& node_;
+};
+
+/// Runs the steps until one fails.
+class Applying {
+ public:
+  Applying(VideoNode& node, const CameraControls& wanted)
+      : panel_(node), node_(node), wanted_(wanted) {}
+
+  Expected<AppliedControls> run() {
+    for (auto step : {&Applying::exposure, &Applying::gain, &Applying::white_balance,
+                      &Applying::focus, &Applying::power_line}) {
+      if (auto done = (this->*step)(); !done) return tl::make_unexpected(done.error());
+    }
+    return applied_;
+  }
+
+ private:
+  Status exposure() {
+    if (!wanted_.exposure_us) {
+      if (exposure_is_automatic()) {
+        note("exposure is automatic: stamps are off by up to half of it; set exposure_us");
+      } else if (const auto now = panel_.read(V4L2_CID_EXPOSURE_ABSOLUTE)) {
+        applied_.exposure = from_us(*now * kExposureUnit_us);
+      }
+      return {};
+    }
+    const auto off = panel_.switch_off(V4L2_CID_EXPOSURE_AUTO,
+                                       {V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY});
+    if (!off) return tl::make_unexpected(off.error());
+    if (!*off) {
+      note("automatic exposure can't be switched off: stamps are off by up to half of it");
+      return {};
+    }
+    // Longer exposures must not lower the frame rate.
+    if (auto fixed = panel_.switch_off(V4L2_CID_EXPOSURE_AUTO_PRIORITY, {0}); !fixed) {
+      return tl::make_unexpected(fixed.error());
+    }
+    const auto now = panel_.set("exposure_us", panel_.find(V4L2_CID_EXPOSURE_ABSOLUTE),
+                                *wanted_.exposure_us, kExposureUnit_us);
+    if (!now) return tl::make_unexpected(now.error());
+    applied_.exposure = from_us(*now);
+    return {};
+  }
+
+  Status gain() {
+    const auto range = panel_.find_one_of({V4L2_CID_GAIN, V4L2_CID_ANALOGUE_GAIN});
+    if (wanted_.gain) {
+      if (auto off = automatic_off(V4L2_CID_AUTOGAIN, "automatic gain"); !off) return off;
+      const auto now = panel_.set("gain", range, *wanted_.gain, 1);
+      if (!now) return tl::make_unexpected(now.error());
+      applied_.gain = *now;
+    } else if (range) {
+      if (const auto now = panel_.read(range->id)) applied_.gain = *now;
+    }
+    return {};
+  }
+
+  Status white_balance() {
+    if (!wanted_.white_balance_k) return {};
+    if (auto off = automatic_off(V4L2_CID_AUTO_WHITE_BALANCE, "automatic white balance"); !off) {
+      return off;
+    }
+    return only_status(panel_.set("white_balance_k",
+                                  panel_.find(V4L2_CID_WHITE_BALANCE_TEMPERATURE),
+                                  *wanted_.white_balance_k, 1));
+  }
+
+  Status focus() {
+    if (auto off = automatic_off(V4L2_CID_FOCUS_AUTO, "automatic focus"); !off) return off;
+    if (!wanted_.focus) return {};
+    return only_status(
+        panel_.set("focus", panel_.find(V4L2_CID_FOCUS_ABSOLUTE), *wanted_.focus, 1));
+  }
+
+  Status power_line() {
+    if (!wanted_.power_line_hz) return {};
+    const int hz = *wanted_.power_line_hz;
+    const int choice = hz == 50   ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ
+                       : hz == 60 ? V4L2_CID_POWER_LINE_FREQUENCY_60HZ
+                                  : V4L2_CID_POWER_LINE_FREQUENCY_DISABLED;
+    const auto set = panel_.find(V4L2_CID_POWER_LINE_FREQUENCY)
+                         ? panel_.write(V4L2_CID_POWER_LINE_FREQUENCY, choice)
+                         : Expected<bool>(false);
+    if (!set) return tl::make_unexpected(set.error());
+    if (*set) return {};
+    return fail(ErrorKind::config, "{}: power_line_hz = {} can't be set; leave it out",
+                node_.path(), hz);
+  }
+
+  Status automatic_off(std::uint32_t id, std::string_view what) {
+    const auto off = panel_.switch_off(id, {0});
+    if (!off) return tl::make_unexpected(off.error());
+    if (!*off) note(fmt::format("{} can't be switched off", what));
+    return {};
+  }
+
+  [[nodiscard]] bool exposure_is_automatic() {
+    const auto mode = panel_.read(V4L2_CID_EXPOSURE_AUTO);
+    return mode && *mode != V4L2_EXPOSURE_MANUAL && *mode != V4L2_EXPOSURE_SHUTTER_PRIORITY;
+  }
+
+  static Status only_status(const Expected<double>& set) {
+    if (!set) return tl::make_unexpected(set.error());
+    return {};
+  }
+  static Stamp from_us(double us) { return Stamp(static_cast<Stamp::rep>(std::llround(us * 1e3))); }
+  void note(std::string_view text) {
+    applied_.notes.push_back(fmt::format("{}: {}", node_.path(), text));
+  }
+
+  ControlPanel panel_;
+  VideoNode& node_;
+  const CameraControls& wanted_;
+  AppliedControls applied_;
+};
+
+}  // namespace
+
+Expected<AppliedControls> apply_controls(VideoNode& node, const CameraControls& controls) {
+  return Applying(node, controls).run();
+}
+
+}  // namespace waymark

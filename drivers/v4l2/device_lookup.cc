@@ -1,0 +1,113 @@
+#include "drivers/v4l2/device_lookup.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+
+namespace waymark {
+namespace {
+
+constexpr std::string_view kForms =
+    "name it by a link (/dev/v4l/by-id/…), \"serial=…\", \"bus=…\" or \"bus=… serial=…\"; "
+    "locd --list-cameras prints them";
+
+bool is_number(std::string_view path) {
+  constexpr std::string_view kNumbered = "/dev/video";
+  return path.starts_with(kNumbered) && std::all_of(path.begin() + kNumbered.size(), path.end(),
+                                                    [](char c) { return c >= '0' && c <= '9'; });
+}
+
+bool fits(const DeviceIdentity& identity, const VideoDevice& device) {
+  if (identity.path.empty()) {
+    return (identity.serial.empty() || identity.serial == device.serial) &&
+           (identity.bus.empty() || identity.bus == device.bus);
+  }
+  if (std::find(device.links.begin(), device.links.end(), identity.path) != device.links.end()) {
+    return true;
+  }
+  std::error_code absent;  // links that others than udev made
+  return std::filesystem::canonical(identity.path, absent) == device.node && !absent;
+}
+
+std::string names_of(const std::vector<VideoDevice>& devices) {
+  if (devices.empty()) return "none at all";
+  std::vector<std::string> names;
+  std::transform(devices.begin(), devices.end(), std::back_inserter(names), name_of);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+}  // namespace
+
+std::string name_of(const VideoDevice& device) {
+  return fmt::format("{} ({}, {}{}{})", device.node, device.card, device.bus,
+                     device.serial.empty() ? "" : ", serial ", device.serial);
+}
+
+std::string DeviceIdentity::text() const {
+  if (!path.empty()) return path;
+  const char* const between = !bus.empty() && !serial.empty() ? " " : "";
+  return (bus.empty() ? "" : "bus=" + bus) + between + (serial.empty() ? "" : "serial=" + serial);
+}
+
+Expected<DeviceIdentity> parse_device_identity(std::string_view text) {
+  DeviceIdentity identity;
+  if (is_number(text)) {
+    return fail(ErrorKind::config,
+                "\"{}\" is a number, which changes when cameras are replugged; {}", text, kForms);
+  }
+  if (text.starts_with('/')) {
+    identity.path = text;
+    return identity;
+  }
+  for (std::string_view rest = text; !rest.empty();) {
+    const auto blank = rest.find(' ');
+    const std::string_view word = rest.substr(0, blank);
+    rest = blank == std::string_view::npos ? "" : rest.substr(blank + 1);
+    if (word.empty()) continue;
+    const auto equals = word.find('=');
+    const std::string_view key = word.substr(0, equals);
+    std::string* const part = key == "serial" ? &identity.serial
+                              : key == "bus"  ? &identity.bus
+                                              : nullptr;
+    if (part == nullptr || equals == std::string_view::npos || equals + 1 == word.size()) {
+      return fail(ErrorKind::config, "\"{}\" names no camera; {}", text, kForms);
+    }
+    *part = word.substr(equals + 1);
+  }
+  if (identity.serial.empty() && identity.bus.empty()) {
+    return fail(ErrorKind::config, "\"{}\" names no camera; {}", text, kForms);
+  }
+  return identity;
+}
+
+Expected<VideoDevice> find_device(const DeviceIdentity& identity,
+                                  const std::vector<VideoDevice>& devices) {
+  std::vector<VideoDevice> fitting;
+  std::copy_if(devices.begin(), devices.end(), std::back_inserter(fitting),
+               [&](const VideoDevice& device) { return fits(identity, device); });
+  if (fitting.size() == 1) return fitting.front();
+  if (fitting.empty()) {
+    return fail(ErrorKind::unavailable, "{}: no such camera is plugged in; there are: {}",
+                identity.text(), names_of(devices));
+  }
+  return fail(ErrorKind::config,
+              "{}: {} can't be told apart by it; use a link below /dev/v4l, or bus=…",
+              identity.text(), names_of(fitting));
+}
+
+std::string identity_among(const VideoDevice& device, const std::vector<VideoDevice>& devices) {
+  std::vector<DeviceIdentity> candidates;
+  if (!device.serial.empty()) candidates.push_back({"", device.serial, ""});
+  if (!device.bus.empty()) candidates.push_back({"", "", device.bus});
+  for (const std::string& link : device.links) candidates.push_back({link, "", ""});
+  for (const DeviceIdentity& candidate : candidates) {
+    // A serial number with a blank can't be written as one word.
+    if (!parse_device_identity(candidate.text())) continue;
+    const auto found = find_device(candidate, devices);
+    if (found && found->node == device.node) return candidate.text();
+  }
+  return {};
+}
+
+}  // namespace waymark

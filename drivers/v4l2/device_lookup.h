@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/v4l2/video_node.h"
+
+namespace waymark {
+
+/// Which camera is meant: by a stable name, or by serial number and place on the bus. Never by a
+/// number: those change with the order in which cameras are plugged in.
+struct DeviceIdentity {
+  std::string path;    ///< /dev/v4l/by-id/…, or any link that the system keeps up
+  std::string serial;  ///< else both or one of these
+  std::string bus;
+
+  [[nodiscard]] std::string text() const;
+};
+
+/// "/dev/video2 (Emu Grey, usb-0000:00:14.0-2, serial 4711)", for messages.
+[[nodiscard]] std::string name_of(const VideoDevice& device);
+
+/// Of "/dev/v4l/by-id/…", "serial=…", "bus=…", or "bus=… serial=…". config for anything else, and
+/// for /dev/videoN.
+[[nodiscard]] Expected<DeviceIdentity> parse_device_identity(std::string_view text);
+
+/// The one device that fits. Errors: unavailable when there is none, with what there is instead;
+/// config when several can't be told apart by it.
+[[nodiscard]] Expected<VideoDevice> find_device(const DeviceIdentity& identity,
+                                                const std::vector<VideoDevice>& devices);
+
+/// The shortest identity that tells `device` from all others: its serial number, its bus or a link.
+/// Empty when nothing does.
+[[nodiscard]] std::string identity_among(const VideoDevice& device,
+                                         const std::vector<VideoDevice>& devices);
+
+}  // namespace waymark

@@ -1,0 +1,45 @@
+#include "drivers/v4l2/node_error.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <system_error>
+
+namespace waymark {
+namespace {
+
+std::string busy(const VideoNode& node) {
+  const auto holder = node.holder();
+  if (!holder) {
+    return fmt::format("another program uses it; `sudo fuser -v {}` names it", node.path());
+  }
+  if (holder->pid == ::getpid()) {
+    return "this program uses it already; do two [[camera]] blocks name one device?";
+  }
+  return fmt::format("{} (pid {}) uses it; end that first", holder->program, holder->pid);
+}
+
+}  // namespace
+
+Error node_error(const VideoNode& node, std::string_view what, int error_number) {
+  const auto say = [&](ErrorKind kind, std::string_view why) {
+    return Error{kind, fmt::format("{}: {}: {}", node.path(), what, why)};
+  };
+  switch (error_number) {
+    case ENODEV:
+    case ENXIO:
+      return say(ErrorKind::unavailable, "the device is gone; plug it in again");
+    case EBUSY:
+      return say(ErrorKind::unavailable, busy(node));
+    case ENOSPC:
+      return say(ErrorKind::unavailable,
+                 "not enough USB bandwidth; plug the camera into another controller, or lower fps");
+    case EACCES:
+    case EPERM:
+      return say(ErrorKind::permission, "not allowed; the user must be in group video");
+    default:
+      return say(ErrorKind::io, std::error_code(error_number, std::generic_category()).message());
+  }
+}
+
+}  // namespace waymark

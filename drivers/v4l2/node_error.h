@@ -1,0 +1,12 @@
+#pragma once
+
+#include "core/base/error.h"
+#include "drivers/v4l2/video_node.h"
+
+namespace waymark {
+
+/// The error of a failed ioctl: `what` could not be done on `node`. Gone devices and busy ones
+/// (naming who holds it) are unavailable; too little USB bandwidth says what helps; else io.
+[[nodiscard]] Error node_error(const VideoNode& node, std::string_view what, int error_number);
+
+}  // namespace waymark
