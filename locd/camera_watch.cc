@@ -40,11 +40,10 @@ double squared_sigmas(const Eigen::Vector3d& offset, const Eigen::Matrix3d& cova
 }  // namespace
 
 CameraWatch::CameraWatch(const Rig& rig, const MapIndex& map, const CameraWatchOptions& options)
-    : map_(map),
-      options_(options),
-      cameras_(rig.cameras.size()),
-      solver_(rig, solver_options()),
-      swap_sets_(cameras_ * cameras_, 0) {
+    : map_(map), options_(options), cameras_(rig.cameras.size()), solver_(rig, solver_options()) {
+  for (std::size_t a = 0; a < cameras_; ++a) {
+    for (std::size_t b = a + 1; b < cameras_; ++b) pairs_.push_back({a, b, 0});
+  }
   whitened_.reserve(kMaxObservations);
   squared_.reserve(kMaxObservations);
   scratch_.reserve(kMaxObservations);
@@ -75,7 +74,7 @@ void CameraWatch::update(Stamp stamp, std::span<const SetObservation> observatio
   if (inliers < options_.coherent_share * static_cast<double>(observations.size())) {
     look_for_swap(stamp, observations, alerts);
   } else if (pairs_of_markers >= 2) {
-    for (int& sets : swap_sets_) sets = std::max(sets - 1, 0);
+    for (CameraPair& pair : pairs_) pair.sets = std::max(pair.sets - 1, 0);
   }
 }
 
@@ -202,24 +201,33 @@ void CameraWatch::judge_displacements(Stamp stamp, std::vector<Alert>& alerts) {
   raise(stamp, AlertKind::extrinsics_off, best, -1, most.offset, alerts);
 }
 
-/// One pair per set, so that no set takes much longer than others.
+/// Whether both see something and neither was named as swapped.
+bool CameraWatch::may_be_swapped(const CameraPair& pair) const {
+  for (const std::size_t camera : {pair.a, pair.b}) {
+    const Record& record = records_[camera];
+    if (record.named && record.kind == AlertKind::cameras_swapped) return false;
+    if (fits_[camera].markers == 0) return false;
+  }
+  return true;
+}
+
+/// One pair per set, so that no set takes much longer than others; who explains a set is asked
+/// again at the next.
 void CameraWatch::look_for_swap(Stamp stamp, std::span<const SetObservation> observations,
                                 std::vector<Alert>& alerts) {
-  const std::size_t pairs = cameras_ * (cameras_ - 1) / 2;
-  std::size_t pair = next_pair_++ % pairs;
-  std::size_t a = 0;
-  while (pair >= cameras_ - 1 - a) {
-    pair -= cameras_ - 1 - a;
-    ++a;
+  std::size_t passed_over = 0;
+  while (!may_be_swapped(pairs_[asked_pair_])) {
+    if (++passed_over == pairs_.size()) return;
+    asked_pair_ = (asked_pair_ + 1) % pairs_.size();
   }
-  const std::size_t b = a + 1 + pair;
-  if (fits_[a].markers == 0 || fits_[b].markers == 0) return;
-  if (records_[a].named && records_[a].kind == AlertKind::cameras_swapped) return;
-  if (!coherent_when_swapped(observations, a, b)) return;
-  int& sets = swap_sets_[a * cameras_ + b];
-  if (++sets < options_.swap_sets) return;
-  sets = 0;
-  raise(stamp, AlertKind::cameras_swapped, a, static_cast<int>(b),
+  CameraPair& pair = pairs_[asked_pair_];
+  if (!coherent_when_swapped(observations, pair.a, pair.b)) {
+    asked_pair_ = (asked_pair_ + 1) % pairs_.size();
+    return;
+  }
+  if (++pair.sets < options_.swap_sets) return;
+  pair.sets = 0;
+  raise(stamp, AlertKind::cameras_swapped, pair.a, static_cast<int>(pair.b),
         Vector6d::Constant(std::numeric_limits<double>::quiet_NaN()), alerts);
 }
 

@@ -22,7 +22,7 @@ struct CameraWatchOptions {
   double memory_sets = 100;    ///< residuals are summed over so many (10–1000)
   int min_sets = 15;           ///< that two cameras saw, before anything is said (3–1000)
   double clear_margin = 1.05;  ///< of χ² explained, over the second best (1–10)
-  int sets_to_decide = 120;  ///< after so many the best is named without margin (min_sets–10000)
+  int sets_to_decide = 70;  ///< after so many the best is named without margin (min_sets–10000)
   double trusted_share = 0.7;    ///< of a camera's markers that must fit, on average (0.5–1)
   int swap_sets = 6;             ///< that only a swap explains, to name it (2–1000)
   double coherent_share = 0.75;  ///< inliers of a set in which nothing is wrong (0.5–1)
@@ -68,6 +68,11 @@ class CameraWatch {
     bool named = false;
     AlertKind kind = AlertKind::extrinsics_off;  ///< as what
   };
+  struct CameraPair {
+    std::size_t a = 0;
+    std::size_t b = 0;
+    int sets = 0;  ///< that only their swap explains
+  };
   struct Displacement {
     Vector6d offset = Vector6d::Zero();
     double explained = 0;      ///< χ² that it takes away
@@ -80,6 +85,7 @@ class CameraWatch {
   void sum_displacements();
   [[nodiscard]] Displacement displacement(const Record& record) const;
   void judge_displacements(Stamp stamp, std::vector<Alert>& alerts);
+  [[nodiscard]] bool may_be_swapped(const CameraPair& pair) const;
   void look_for_swap(Stamp stamp, std::span<const SetObservation> observations,
                      std::vector<Alert>& alerts);
   [[nodiscard]] bool coherent_when_swapped(std::span<const SetObservation> observations,
@@ -98,8 +104,8 @@ class CameraWatch {
   std::size_t own_count_ = 0;
   std::vector<WhitenedResidual> whitened_;  ///< of one camera
   std::vector<double> squared_;
-  std::vector<int> swap_sets_;  ///< per pair: sets that only its swap explains
-  std::size_t next_pair_ = 0;
+  std::vector<CameraPair> pairs_;
+  std::size_t asked_pair_ = 0;  ///< the next set is asked about it
   std::vector<MarkerObservation> scratch_;
   std::vector<FixedMarkerObservation> fixed_;
 };

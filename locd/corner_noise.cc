@@ -1,12 +1,12 @@
 #include "locd/corner_noise.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace waymark {
 namespace {
 
-constexpr double kMedianOfChi8 = 7.344;
 /// Until the first set tells: several times the detector's own error, or what untreated corners
 /// have.
 constexpr double kStartStated_px = 0.06;
@@ -16,17 +16,31 @@ constexpr double kMemorySets = 200;
 /// One set may raise the variance by so much at most.
 constexpr double kLargestRatio = 4.0;
 
+/// How far below what the detector states (a share of its variance) the memory may fall.
+constexpr double kLowest = 0.2;
+
 /// Cameras that agree with themselves so much worse than the best one are not asked.
 constexpr double kWorseThanBest = 6.0;
 
-/// The pose took 6 of the 8n degrees of freedom.
+/// What the median of a camera's squared residuals is on average, where σ is right. The pose took 6
+/// of the 8n degrees of freedom, which leaves each marker k = 8 − 6/n; of two χ²ₖ the median is the
+/// mean, of many 0.918 k (order statistics, integrated numerically).
+double expected_median(int markers) {
+  constexpr std::array<double, 6> kOfFew{1.0, 0.940, 0.945, 0.932, 0.934, 0.928};
+  const auto index = static_cast<std::size_t>(markers - 2);
+  const double share = index < kOfFew.size() ? kOfFew[index] : 0.918 + 0.08 / markers;
+  return share * (8.0 - 6.0 / markers);
+}
+
 double ratio_of(const CornerNoise::CameraResiduals& camera) {
-  return camera.median * 8.0 * camera.markers / (8.0 * camera.markers - 6.0) / kMedianOfChi8;
+  return camera.median / expected_median(camera.markers);
 }
 
 }  // namespace
 
-CornerNoise::CornerNoise(bool stated) : sigma_px_(stated ? kStartStated_px : kStartUnstated_px) {}
+CornerNoise::CornerNoise(bool stated)
+    : sigma_px_(stated ? kStartStated_px : kStartUnstated_px),
+      variance_px2_(sigma_px_ * sigma_px_) {}
 
 void CornerNoise::update(std::span<const CameraResiduals> cameras, double stated_variance_px2) {
   double best = kLargestRatio;
@@ -43,9 +57,12 @@ void CornerNoise::update(std::span<const CameraResiduals> cameras, double stated
   markers_ += markers;
   // A running mean over markers, which becomes one that forgets.
   const double gain = std::max(markers / markers_, markers / (markers + 4.0) / kMemorySets);
-  const double variance = sigma_px_ * sigma_px_;
-  const double next = variance + gain * (sum / markers - 1.0) * (stated_variance_px2 + variance);
-  sigma_px_ = std::sqrt(std::clamp(next, kSmallest_px * kSmallest_px, kLargest_px * kLargest_px));
+  const double measured = sum / markers * (stated_variance_px2 + sigma_px_ * sigma_px_);
+  variance_px2_ += gain * (measured - stated_variance_px2 - variance_px2_);
+  // Remembered below zero as well: what is cut off at every set would make the mean too large.
+  variance_px2_ =
+      std::clamp(variance_px2_, -kLowest * stated_variance_px2, kLargest_px * kLargest_px);
+  sigma_px_ = std::sqrt(std::max(variance_px2_, kSmallest_px * kSmallest_px));
 }
 
 }  // namespace waymark

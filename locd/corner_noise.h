@@ -28,7 +28,8 @@ class CornerNoise {
 
  private:
   double sigma_px_;
-  double markers_ = 0;  ///< taken so far
+  double variance_px2_;  ///< the running mean behind it, below zero where corners are better
+  double markers_ = 0;   ///< taken so far
 };
 
 }  // namespace waymark

@@ -219,8 +219,10 @@ void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate
     seen.rms_px = o.rms_px;
     seen.sigmas_squared = o.sigmas_squared;
   }
-  if (estimate.has(PoseReason::jump) || estimate.has(PoseReason::no_velocity)) return;
+  if (estimate.has(PoseReason::no_velocity)) return;
+  // A camera that stands elsewhere makes the pose jump between its word and the others'.
   camera_watch.update(estimate.stamp, observations, solution.world_from_rig, alerts);
+  if (estimate.has(PoseReason::jump)) return;
   learn_noise();
   const CameraMask trusted = camera_watch.trusted();
   map_watch.update(estimate.stamp, observations, solution, trusted, alerts);
