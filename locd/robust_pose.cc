@@ -24,7 +24,11 @@ bool timed(const SetObservation& o) {
 }  // namespace
 
 RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options)
-    : map_(map), options_(options), solver_(rig, solver_options()), covariance_(map_, solver_) {
+    : map_(map),
+      cameras_(static_cast<int>(rig.cameras.size())),
+      options_(options),
+      solver_(rig, solver_options()),
+      covariance_(map_, solver_) {
   marker_verdicts_.reserve(map.size());
 }
 
@@ -45,7 +49,10 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   MotionStep step;
   // The set's own say about the velocity, twice: then inliers and velocity have settled.
   for (int round = 0; round < (in_motion ? 3 : 1); ++round) {
-    if (!polish(observations, pose, believed, model_sigma_px)) return std::nullopt;
+    if (!polish(observations, pose, believed, model_sigma_px) &&
+        !(round == 0 && hear_cameras(observations, pose, believed, model_sigma_px))) {
+      return std::nullopt;
+    }
     if (round == 0 && hear_outliers(observations, pose, believed, model_sigma_px)) {
       solution.ambiguous = true;
     }
@@ -115,6 +122,34 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
     pose = least_squares->pose;
   }
   return true;
+}
+
+/// When cameras of equal weight contradict each other, the pose between them explains none: then
+/// each one's own pose is asked, and that which explains most of all is taken. False when none
+/// explains anything.
+bool RobustPose::hear_cameras(std::span<SetObservation> observations, Rigid3& pose,
+                              const VelocityPrior& believed, double model_sigma_px) {
+  constexpr std::size_t kFewest = 2;  // a single marker can be seen in two ways
+  const Rigid3 between = pose;
+  double best = std::numeric_limits<double>::infinity();
+  for (int camera = 0; camera < cameras_; ++camera) {
+    fixed_.clear();
+    for (const SetObservation& o : observations) {
+      if (o.observation.camera != camera) continue;
+      fixed_.push_back({&o.observation, map_.marker(o.map_index).world_from_marker});
+    }
+    if (fixed_.size() < kFewest) continue;
+    const auto own = solver_.refine(fixed_, between);
+    if (!own) continue;
+    Rigid3 candidate = own->pose;
+    if (!polish(observations, candidate, believed, model_sigma_px)) continue;
+    collect(observations, Which::all);
+    const double rank = solver_.rank(fixed_, candidate);
+    if (rank >= best) continue;
+    best = rank;
+    pose = candidate;
+  }
+  return std::isfinite(best) && polish(observations, pose, believed, model_sigma_px);
 }
 
 /// When a quarter or more are outliers: what pose do they give among themselves? It is taken when

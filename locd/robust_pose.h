@@ -41,7 +41,7 @@ struct RobustPoseOptions {
 /// Algorithm 1): starts from the prior and from fresh IPPE candidates, so that a wrong prior can't
 /// hold it; Huber's loss finds the way, Tukey's lets go of what does not belong, and least squares
 /// over the inliers has the full efficiency. Where many don't belong, they are asked whether they
-/// agree on another pose.
+/// agree on another pose; where none do, each camera is asked for its own.
 ///
 /// Corners of other instants than the set's (free-running cameras, rolling shutters) are moved by
 /// what the velocity does to them. The velocity, known beforehand to its covariance, is corrected
@@ -79,11 +79,14 @@ class RobustPose {
                                                          const std::optional<Rigid3>& predicted);
   [[nodiscard]] bool polish(std::span<SetObservation> observations, Rigid3& pose,
                             const VelocityPrior& believed, double model_sigma_px);
+  [[nodiscard]] bool hear_cameras(std::span<SetObservation> observations, Rigid3& pose,
+                                  const VelocityPrior& believed, double model_sigma_px);
   [[nodiscard]] bool hear_outliers(std::span<SetObservation> observations, Rigid3& pose,
                                    const VelocityPrior& believed, double model_sigma_px);
   void count_markers(std::span<const SetObservation> observations, PoseSolution& solution);
 
   const MapIndex& map_;
+  int cameras_;
   RobustPoseOptions options_;
   RigPoseSolver solver_;
   PoseCovariance covariance_;
