@@ -257,7 +257,7 @@ void measure_moved(int sets) {
       std::map<MarkerId, int> chances, named_after;
       std::set<MarkerId> moved_ids;
       for (const std::size_t m : moved) moved_ids.insert(scene.markers[m].id);
-      int wrongly = 0, qualifying = 0;
+      int wrongly = 0, cameras_wrongly = 0, qualifying = 0;
       for (int i = 0; i < sets; ++i) {
         const FrameSetLease set = drive.next();
         localizer.localize(set, estimate);
@@ -270,6 +270,9 @@ void measure_moved(int sets) {
           }
         }
         for (const Alert& alert : localizer.alerts()) {
+          if (alert.kind == AlertKind::extrinsics_off || alert.kind == AlertKind::cameras_swapped) {
+            cameras_wrongly += alert.raised ? 1 : 0;
+          }
           if (alert.kind != AlertKind::marker_moved) continue;
           if (!moved_ids.contains(*alert.marker)) {
             ++wrongly;
@@ -293,10 +296,11 @@ void measure_moved(int sets) {
       }
       fmt::print(
           "  {:<10} {:.2f} m {:2.0f}°: OK {}/{}, {:.2f} mm {:.4f}° RMSE, worst {:.1f} mm, "
-          "beyond {}; {} of {} named, slowest after {} sets, {} not within 100; {} wrongly\n",
+          "beyond {}; {} of {} named, slowest after {} sets, {} not within 100; {} and {} cameras "
+          "wrongly\n",
           scene_name, move.distance_m, kDeg * move.turn_rad, errors.sets, qualifying,
           1e3 * errors.rmse_m(), kDeg * errors.rmse_rad(), 1e3 * errors.worst_m, errors.beyond,
-          named_after.size(), chances.size(), slowest, missed, wrongly);
+          named_after.size(), chances.size(), slowest, missed, wrongly, cameras_wrongly);
     }
   }
 }

@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kMeanMemory = 0.95;
 constexpr double kFits = 36.0;
+/// Share of a marker's misfit that a displacement which explains it may leave: it is linear only.
+constexpr double kLeftOver = 0.02;
 constexpr double kTukeySigmas = 8.0;
 constexpr int kOwnRounds = 4;
 constexpr std::size_t kFewest = 3;  // observations that can tell of a swap
@@ -116,12 +118,18 @@ void CameraWatch::fit_camera(std::size_t camera, std::span<const SetObservation>
     fit.information.diagonal().array() += 1e-9;
     step = fit.information.ldlt().solve(fit.evidence);
   }
-  // Farther off nothing is linear; swapped cameras are looked for in another way.
-  fit.summable = step.head<3>().norm() < kLinear_m && step.tail<3>().norm() < kLinear_rad;
   squared_.clear();
+  std::size_t explained = 0;
   for (const WhitenedResidual& w : whitened_) {
-    squared_.push_back((w.residual + w.by_rig * step).squaredNorm());
+    const double left = (w.residual + w.by_rig * step).squaredNorm();
+    squared_.push_back(left);
+    explained += left <= std::max(kFits, kLeftOver * w.residual.squaredNorm()) ? 1 : 0;
   }
+  // A camera that stands elsewhere has all its markers elsewhere; one that sees a moved marker has
+  // not. Farther off nothing is linear; swapped cameras are looked for in another way.
+  fit.summable = static_cast<double>(explained) >=
+                     options_.coherent_share * static_cast<double>(whitened_.size()) &&
+                 step.head<3>().norm() < kLinear_m && step.tail<3>().norm() < kLinear_rad;
   own_residuals_[own_count_++] = {median(squared_), static_cast<int>(squared_.size())};
 }
 
