@@ -13,6 +13,8 @@ constexpr double kMeanMemory = 0.95;
 constexpr double kFits = 36.0;
 /// Share of a marker's misfit that a displacement which explains it may leave: it is linear only.
 constexpr double kLeftOver = 0.02;
+/// χ² that one set may have against a camera: a third of what names it.
+constexpr double kMostPerSet = 25.0;
 constexpr double kTukeySigmas = 8.0;
 constexpr int kOwnRounds = 4;
 constexpr std::size_t kFewest = 3;  // observations that can tell of a swap
@@ -154,8 +156,13 @@ void CameraWatch::sum_displacements() {
     record.information *= keep;
     record.evidence *= keep;
     if (!fit.summable) continue;
-    record.information += fit.information - fit.information * factor.solve(fit.information);
-    record.evidence += fit.evidence - fit.information * common;
+    const Matrix6d information = fit.information - fit.information * factor.solve(fit.information);
+    const Vector6d against = fit.evidence - fit.information * common;
+    // No set alone may condemn a camera: it may show two markers that were moved, and no other.
+    const Vector6d offset = (information + Matrix6d::Identity()).ldlt().solve(against);
+    const double say = std::min(1.0, kMostPerSet / std::max(offset.dot(against), kMostPerSet));
+    record.information += say * information;
+    record.evidence += say * against;
     ++record.sets;
   }
 }
