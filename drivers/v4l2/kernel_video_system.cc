@@ -153,6 +153,8 @@ class KernelVideoSystem final : public VideoSystem {
     return fail(ErrorKind::unavailable, "{}: can't be opened: {}", node, system_reason());
   }
 
+  [[nodiscard]] Stamp now() const override { return monotonic_now(); }
+
  private:
   /// nullopt for nodes that are no cameras, such as those of metadata.
   std::optional<VideoDevice> camera_of(sd_device* device) {

@@ -6,7 +6,6 @@
 
 #include "drivers/buffer_lender.h"
 #include "drivers/interrupt.h"
-#include "drivers/monotonic_clock.h"
 #include "drivers/v4l2/buffer_stamp.h"
 #include "drivers/v4l2/buffer_stream.h"
 
@@ -119,7 +118,7 @@ class V4l2Source final : public FrameSource {
       lender_.begin(images_, lendable);
     }
     sequence_.reset();
-    last_good_ = monotonic_now();
+    last_good_ = system_->now();
     return {};
   }
 
@@ -139,7 +138,7 @@ class V4l2Source final : public FrameSource {
       } else if (promised) {
         return fail(ErrorKind::io, "{}: the driver reports an error", node_->path());
       }
-      if (monotonic_now() - last_good_ > patience()) {
+      if (system_->now() - last_good_ > patience()) {
         return fail(ErrorKind::io, "{}: no whole frame for {:.1f} s; starting it again",
                     node_->path(), std::chrono::duration<double>(patience()).count());
       }
@@ -234,7 +233,7 @@ class V4l2Source final : public FrameSource {
     FrameInfo info;
     info.stamp = mid.stamp;
     info.quality = mid.quality;
-    info.arrival = monotonic_now();
+    info.arrival = system_->now();
     info.sequence = *sequence_;
     info.exposure = controls_.exposure;
     return info;

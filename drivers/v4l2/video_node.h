@@ -53,7 +53,7 @@ struct VideoDevice {
   std::string card;                ///< what the maker calls it
 };
 
-/// The video devices of a machine. Used from several threads.
+/// The video devices of a machine, and its time. Used from several threads.
 class VideoSystem {
  public:
   virtual ~VideoSystem() = default;
@@ -62,6 +62,8 @@ class VideoSystem {
   [[nodiscard]] virtual std::vector<VideoDevice> devices() = 0;
   /// Errors: unavailable when it has gone, permission naming the group.
   [[nodiscard]] virtual Expected<std::unique_ptr<VideoNode>> open(const std::string& node) = 0;
+  /// CLOCK_MONOTONIC.
+  [[nodiscard]] virtual Stamp now() const = 0;
 };
 
 /// This machine's kernel.

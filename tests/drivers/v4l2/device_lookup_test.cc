@@ -1,0 +1,89 @@
+#include "drivers/v4l2/device_lookup.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+using testing::HasSubstr;
+
+const std::vector<VideoDevice> kDevices{
+    {"/dev/video0", {"/dev/v4l/by-id/usb-left"}, "usb-0000:00:14.0-1", "left", "Grey"},
+    {"/dev/video2", {"/dev/v4l/by-id/usb-twin"}, "usb-0000:00:14.0-2", "twin", "Grey"},
+    {"/dev/video4", {"/dev/v4l/by-id/usb-twin"}, "usb-0000:00:14.0-3", "twin", "Grey"},
+    {"/dev/video6", {"/dev/v4l/by-path/platform-vivid"}, "platform:vivid-000", "", "vivid"},
+    {"/dev/video7", {}, "platform:vivid-000", "", "vivid"},
+    {"/dev/video8", {}, "platform:vivid-000", "", "vivid"}};
+
+TEST(DeviceIdentity, IsALinkASerialNumberOrABusNeverANumber) {
+  EXPECT_EQ(parse_device_identity("/dev/v4l/by-id/usb-left")->path, "/dev/v4l/by-id/usb-left");
+  EXPECT_EQ(parse_device_identity("serial=4711")->serial, "4711");
+  const auto both = parse_device_identity("bus=usb-0000:00:14.0-1  serial=a=b");
+  ASSERT_TRUE(both);
+  EXPECT_EQ(both->bus, "usb-0000:00:14.0-1");
+  EXPECT_EQ(both->serial, "a=b");
+  EXPECT_EQ(both->text(), "bus=usb-0000:00:14.0-1 serial=a=b");
+  for (const char* wrong : {"/dev/video0", "/dev/video", "0", "left", "", " ", "serial=", "=x",
+                            "port=3", "serial=a b", "serial"}) {
+    const auto identity = parse_device_identity(wrong);
+    ASSERT_FALSE(identity) << wrong;
+    EXPECT_EQ(identity.error().kind, ErrorKind::config);
+    EXPECT_THAT(identity.error().message, HasSubstr("--list-cameras"));
+  }
+}
+
+TEST(FindDevice, EachWayLeadsToTheDevice) {
+  const auto node = [](const char* text) {
+    const auto device = find_device(*parse_device_identity(text), kDevices);
+    return device ? device->node : device.error().message;
+  };
+  EXPECT_EQ(node("/dev/v4l/by-id/usb-left"), "/dev/video0");
+  EXPECT_EQ(node("serial=left"), "/dev/video0");
+  EXPECT_EQ(node("bus=usb-0000:00:14.0-3"), "/dev/video4");
+  EXPECT_EQ(node("bus=usb-0000:00:14.0-2 serial=twin"), "/dev/video2");
+  EXPECT_EQ(node("/dev/v4l/by-path/platform-vivid"), "/dev/video6");
+}
+
+TEST(FindDevice, NoneNamesThoseThereAre) {
+  const auto device = find_device(*parse_device_identity("serial=right"), kDevices);
+  ASSERT_FALSE(device);
+  EXPECT_EQ(device.error().kind, ErrorKind::unavailable);
+  EXPECT_THAT(device.error().message,
+              HasSubstr("/dev/video0 (Grey, usb-0000:00:14.0-1, serial left)"));
+  EXPECT_THAT(find_device(*parse_device_identity("serial=right"), {}).error().message,
+              HasSubstr("none at all"));
+  EXPECT_FALSE(find_device(*parse_device_identity("bus=usb-0000:00:14.0-2 serial=left"), kDevices));
+}
+
+TEST(FindDevice, TwoThatCantBeToldApartAreRefused) {
+  for (const char* text : {"serial=twin", "/dev/v4l/by-id/usb-twin", "bus=platform:vivid-000"}) {
+    const auto device = find_device(*parse_device_identity(text), kDevices);
+    ASSERT_FALSE(device) << text;
+    EXPECT_EQ(device.error().kind, ErrorKind::config);
+    EXPECT_THAT(device.error().message, HasSubstr("can't be told apart"));
+  }
+}
+
+TEST(FindDevice, LinksThatOthersMadeLeadThereToo) {
+  TemporaryFolder folder;
+  const std::string node = folder.write("node", "").string();
+  std::filesystem::create_symlink(node, folder.path() / "left");
+  const std::vector<VideoDevice> devices{{node, {}, "usb-1", "", ""}};
+  EXPECT_TRUE(find_device({(folder.path() / "left").string(), "", ""}, devices));
+  EXPECT_FALSE(find_device({(folder.path() / "right").string(), "", ""}, devices));
+}
+
+TEST(IdentityAmong, IsTheFirstThatTellsADeviceFromTheOthers) {
+  EXPECT_EQ(identity_among(kDevices[0], kDevices), "serial=left");
+  EXPECT_EQ(identity_among(kDevices[1], kDevices), "bus=usb-0000:00:14.0-2");
+  EXPECT_EQ(identity_among(kDevices[3], kDevices), "/dev/v4l/by-path/platform-vivid");
+  EXPECT_EQ(identity_among(kDevices[4], kDevices), "");
+}
+
+}  // namespace
+}  // namespace waymark
