@@ -1,5 +1,11 @@
 # One way to declare each kind of target.
 include(GoogleTest)
+include(GNUInstallDirs)
+
+# Modules are found in one folder of the build, and below lib/ of an installation.
+set(WAYMARK_MODULE_FOLDER ${PROJECT_BINARY_DIR}/modules)
+set(CMAKE_BUILD_RPATH ${WAYMARK_MODULE_FOLDER})
+set(CMAKE_INSTALL_RPATH $ORIGIN/../lib/waymark)
 
 # waymark_library(<name> SOURCES … PUBLIC … PRIVATE …): a static library, included from the top of the tree.
 function(waymark_library name)
@@ -7,6 +13,18 @@ function(waymark_library name)
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} waymark_warnings)
+endfunction()
+
+# waymark_module(<name> COMPONENT … SOURCES … PRIVATE …): loaded at run time by those that need it (dlopen), so that
+# the others do not pay for the libraries behind it.
+function(waymark_module name)
+  cmake_parse_arguments(ARG "" "COMPONENT" "SOURCES;PRIVATE" ${ARGN})
+  add_library(${name} MODULE ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${WAYMARK_MODULE_FOLDER}
+                                           INSTALL_RPATH "")
+  target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} waymark_warnings)
+  install(TARGETS ${name} DESTINATION lib/waymark COMPONENT ${ARG_COMPONENT})
 endfunction()
 
 # waymark_program(<name> SOURCES … PRIVATE …)

@@ -208,14 +208,10 @@ void Daemon::Parts::look_at_cameras(Stamp now) {
   report.judge(cameras, now);
   const Stamp grace = std::chrono::seconds(2);
   pass_on(report.camera_alerts(cameras, now, grace), now);
+  for (const std::string& line : report.camera_news(cameras)) log.event(line, line, now);
+  if (!ready && !refusal) refusal = report.misconfiguration(cameras);
   bool all_run = true;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    all_run = all_run && cameras[c].running;
-    if (!ready && !refusal && cameras[c].misconfigured) {
-      refusal = Error{ErrorKind::config,
-                      fmt::format("{}: {}", setup.rig.cameras[c].name, cameras[c].error)};
-    }
-  }
+  for (const auto& camera : cameras) all_run = all_run && camera.running;
   const auto waited = std::chrono::duration<double>(now - started).count();
   if (!ready && !refusal && (all_run || waited >= setup.config.service.startup_wait_s)) {
     ready = true;
@@ -331,6 +327,7 @@ void Daemon::Parts::feed_watchdog(Stamp now) {
   }
   if (all_turn) {
     notifier.feed_watchdog(now);
+    if (!ready) notifier.extend_start(now);
   } else {
     log.event("STUCK", "a thread does not turn; the watchdog is not fed", now);
   }

@@ -73,11 +73,14 @@ void RigCapture::run(std::size_t index, bool realtime) {
       state.misconfigured = !started && started.error().kind == ErrorKind::config;
     });
     bool running = started.has_value();
-    while (running && !camera.source->ended()) {
+    for (bool first = true; running && !camera.source->ended();) {
       auto frame = camera.source->next(monotonic_now() + kTurn);
+      const bool tells = first && frame && *frame;
+      first = first && !tells;
       running = note([&](CameraState& state) {
         state.damaged = camera.source->damaged();
         state.lost = camera.source->lost();
+        if (tells) state.description = camera.source->describe();
         if (!frame) state.error = frame.error().message;
       });
       if (!frame) break;

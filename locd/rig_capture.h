@@ -50,7 +50,8 @@ class RigCapture {
     std::uint64_t starts = 0;
     bool unsynced = false;  ///< its stamps can't be believed; arrival times are used
     DropCounts dropped{};
-    std::string error;  ///< of the last start or frame that failed; empty: none
+    std::string description;  ///< what runs since its last start, once it gave a frame
+    std::string error;        ///< of the last start or frame that failed; empty: none
     bool misconfigured =
         false;  ///< its last start failed for what only another configuration mends
   };

@@ -30,6 +30,14 @@ void ServiceNotifier::reloading(Stamp now) {
 
 void ServiceNotifier::stopping() { ::sd_notify(0, "STOPPING=1"); }
 
+void ServiceNotifier::extend_start(Stamp now) {
+  constexpr Stamp kEvery = std::chrono::seconds(2);
+  if (now - last_extended_ < kEvery) return;
+  last_extended_ = now;
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(5 * kEvery).count();
+  ::sd_notify(0, fmt::format("EXTEND_TIMEOUT_USEC={}", us).c_str());
+}
+
 void ServiceNotifier::feed_watchdog(Stamp now) {
   if (!watchdog_period_ || now - last_fed_ < *watchdog_period_ / 4) return;
   last_fed_ = now;

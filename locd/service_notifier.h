@@ -17,6 +17,8 @@ class ServiceNotifier {
   /// A reload begins; ready() ends it.
   void reloading(Stamp now);
   void stopping();
+  /// Not ready yet, but on the way: to be called often until ready.
+  void extend_start(Stamp now);
   /// Still alive: to be called often, and only while everything turns. systemd is told four times
   /// in the period that it grants.
   void feed_watchdog(Stamp now);
@@ -25,6 +27,7 @@ class ServiceNotifier {
   std::string last_status_;
   std::optional<Stamp> watchdog_period_;
   Stamp last_fed_{0};
+  Stamp last_extended_{0};
 };
 
 }  // namespace waymark

@@ -63,6 +63,26 @@ std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::Cam
   return alerts;
 }
 
+std::vector<std::string> StatusReport::camera_news(
+    const std::vector<RigCapture::CameraState>& states) {
+  std::vector<std::string> lines;
+  for (std::size_t c = 0; c < states.size(); ++c) {
+    if (states[c].description == cameras_[c].description) continue;
+    cameras_[c].description = states[c].description;
+    lines.push_back(fmt::format("{}: {}", cameras_[c].name, states[c].description));
+  }
+  return lines;
+}
+
+std::optional<Error> StatusReport::misconfiguration(
+    const std::vector<RigCapture::CameraState>& states) const {
+  for (std::size_t c = 0; c < states.size(); ++c) {
+    if (!states[c].misconfigured) continue;
+    return Error{ErrorKind::config, fmt::format("{}: {}", cameras_[c].name, states[c].error)};
+  }
+  return std::nullopt;
+}
+
 void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
                         const LocalizationThread::Counts& counts, Stamp interval,
                         status_t& status) {

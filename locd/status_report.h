@@ -25,6 +25,14 @@ class StatusReport {
   [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
                                                  Stamp now, Stamp grace);
 
+  /// A line per camera that runs in another way than before: "cam0: GREY 1224×1024 at 30/s, …".
+  [[nodiscard]] std::vector<std::string> camera_news(
+      const std::vector<RigCapture::CameraState>& states);
+
+  /// The first camera that only another configuration can mend; nullopt: none.
+  [[nodiscard]] std::optional<Error> misconfiguration(
+      const std::vector<RigCapture::CameraState>& states) const;
+
   /// Fills cameras, rates, drops and counts; `interval` since the last call.
   void fill(const std::vector<RigCapture::CameraState>& states,
             const LocalizationThread::Counts& counts, Stamp interval, status_t& status);
@@ -36,6 +44,7 @@ class StatusReport {
  private:
   struct Memory {
     std::string name;
+    std::string description;
     bool missing = false;
     std::uint64_t frames_judged = 0;
     Stamp last_frame{0};

@@ -144,28 +144,35 @@ TEST_P(BadConfigs, AreRefusedWithLineAndKey) {
 // The added text begins in line 10.
 INSTANTIATE_TEST_SUITE_P(
     Config, BadConfigs,
-    testing::Values(BadConfig{"[solve]\nok_sigma = 1", "line 11", "unknown key \"ok_sigma\""},
-                    BadConfig{"[solver]\n", "line 10", "unknown key \"solver\""},
-                    BadConfig{"[solve]\ntime_budget_ms = 0", "line 11", "time_budget_ms"},
-                    BadConfig{"[solve]\ntime_budget_ms = nan", "line 11", "time_budget_ms"},
-                    BadConfig{"[solve]\ntime_budget_ms = \"fast\"", "line 11", "time_budget_ms"},
-                    BadConfig{"[sync]\nmode = \"auto\"", "line 11", "\"triggered\", \"free\""},
-                    BadConfig{"[sync]\nmin_cameras = 17", "line 11", "min_cameras"},
-                    BadConfig{"[sync]\nmin_cameras = 1.5", "line 11", "min_cameras"},
-                    BadConfig{"[lcm]\nurl = \"tcp://x\"", "line 11", "udpm://"},
-                    BadConfig{"[lcm]\nurl = \"udpm://239.1.1.1:7?ttl=256\"", "line 11", "ttl"},
-                    BadConfig{"[lcm]\nurl = \"udpm://239.1.1.1:7?ttl=x\"", "line 11", "ttl"},
-                    BadConfig{"[lcm]\nchannel_prefix = \"\"", "line 11", "channel_prefix"},
-                    BadConfig{"[record]\ncodec = \"png\"", "line 11", "\"pgm\", \"jpeg\""},
-                    BadConfig{"[record]\nmax_bytes = -1", "line 11", "max_bytes"},
-                    BadConfig{"[service]\nrealtime = 1", "line 11", "realtime"},
-                    BadConfig{"[[camera]]\nname = \"cam0\"\ndriver = \"v4l2\"\ndevice = \"x\"",
-                              "line 11", "cam0 is named twice"},
-                    BadConfig{"[[camera]]\nname = \"cam1\"\ndriver = \"usb\"\ndevice = \"x\"",
-                              "line 12", "\"v4l2\""},
-                    BadConfig{"[[camera]]\nname = \"cam1\"\ndriver = \"v4l2\"", "line 10",
-                              "device"},
-                    BadConfig{"[solve", "line 10", "not valid TOML"}));
+    testing::Values(
+        BadConfig{"[solve]\nok_sigma = 1", "line 11", "unknown key \"ok_sigma\""},
+        BadConfig{"[solver]\n", "line 10", "unknown key \"solver\""},
+        BadConfig{"[solve]\ntime_budget_ms = 0", "line 11", "time_budget_ms"},
+        BadConfig{"[solve]\ntime_budget_ms = nan", "line 11", "time_budget_ms"},
+        BadConfig{"[solve]\ntime_budget_ms = \"fast\"", "line 11", "time_budget_ms"},
+        BadConfig{"[sync]\nmode = \"auto\"", "line 11", "\"triggered\", \"free\""},
+        BadConfig{"[sync]\nmin_cameras = 17", "line 11", "min_cameras"},
+        BadConfig{"[sync]\nmin_cameras = 1.5", "line 11", "min_cameras"},
+        BadConfig{"[lcm]\nurl = \"tcp://x\"", "line 11", "udpm://"},
+        BadConfig{"[lcm]\nurl = \"udpm://239.1.1.1:7?ttl=256\"", "line 11", "ttl"},
+        BadConfig{"[lcm]\nurl = \"udpm://239.1.1.1:7?ttl=x\"", "line 11", "ttl"},
+        BadConfig{"[lcm]\nchannel_prefix = \"\"", "line 11", "channel_prefix"},
+        BadConfig{"[record]\ncodec = \"png\"", "line 11", "\"pgm\", \"jpeg\""},
+        BadConfig{"[record]\nmax_bytes = -1", "line 11", "max_bytes"},
+        BadConfig{"[service]\nrealtime = 1", "line 11", "realtime"},
+        BadConfig{"[[camera]]\nname = \"cam0\"\ndriver = \"v4l2\"\ndevice = \"x\"", "line 11",
+                  "cam0 is named twice"},
+        BadConfig{"[[camera]]\nname = \"cam1\"\ndriver = \"usb\"\ndevice = \"x\"", "line 12",
+                  "\"v4l2\""},
+        BadConfig{"[[camera]]\nname = \"cam1\"\ndriver = \"v4l2\"", "line 10", "device"},
+        BadConfig{
+            "[[camera]]\nname = \"cam1\"\ndriver = \"v4l2\"\ndevice = "
+            "\"serial=1\"\n[[camera]]\nname = \"cam2\"\ndriver = \"v4l2\"\ndevice = \"serial=1\"",
+            "line 17", "another camera's already"},
+        BadConfig{
+            "[[camera]]\nname = \"cam1\"\ndriver = \"v4l2\"\ndevice = \"x\"\npower_line_hz = 55",
+            "line 14", "power_line_hz must be 0"},
+        BadConfig{"[solve", "line 10", "not valid TOML"}));
 
 TEST(Config, ABaseThatIsNoRigidMotionIsRefused) {
   for (const char* matrix :

@@ -397,6 +397,39 @@ TEST_F(DaemonTest, AMissingCameraNeverFailsTheStart) {
   EXPECT_THAT(systemd.heard(), HasSubstr("READY=1"));
 }
 
+TEST_F(DaemonTest, TheStartIsExtendedWhileItWaitsForCameras) {
+  FakeSystemd& systemd = with_systemd();
+  write_config("[service]\nstartup_wait_s = 300\n");
+  start();
+  turn_for(milliseconds(500));
+  EXPECT_THAT(systemd.heard(), HasSubstr("EXTEND_TIMEOUT_USEC=10000000"));
+}
+
+TEST_F(DaemonTest, ACameraThatOnlyAnotherConfigurationMendsRefusesTheStart) {
+  FakeSystemd& systemd = with_systemd();
+  start();
+  cameras_[1]->fail_with("has serial number 1, the rig 2", ErrorKind::config);
+  ASSERT_TRUE(turn_until([&] { return daemon_->refusal().has_value(); }));
+  EXPECT_EQ(daemon_->refusal()->kind, ErrorKind::config);
+  EXPECT_EQ(daemon_->refusal()->message, "cam1: has serial number 1, the rig 2");
+  EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
+}
+
+TEST_F(DaemonTest, OnceReadyAWrongCameraIsAMissingOne) {
+  FakeSystemd& systemd = with_systemd();
+  start();
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return systemd.heard().find("READY=1") != std::string::npos;
+  }));
+  cameras_[1]->fail_with("has serial number 1, the rig 2", ErrorKind::config);
+  ASSERT_TRUE(turn_until([&] {
+    cameras_[0]->give(monotonic_now());
+    return alert("MISSING", true) != nullptr;
+  }));
+  EXPECT_FALSE(daemon_->refusal());
+}
+
 TEST_F(DaemonTest, TheWatchdogStarvesWhenACameraIsStuckInACall) {
   FakeSystemd& systemd = with_systemd();
   start();

@@ -33,6 +33,17 @@ TEST(InstanceLock, AStalePidIsNoLock) {
   EXPECT_EQ(tmp.read("locd.pid"), std::to_string(::getpid()) + "\n");
 }
 
+TEST(InstanceLock, TheHolderIsKnownWhileItHolds) {
+  const TemporaryFolder tmp;
+  const auto file = tmp.path() / "locd.pid";
+  EXPECT_EQ(InstanceLock::holder(file), std::nullopt);
+  {
+    const auto lock = InstanceLock::take(file);
+    EXPECT_EQ(InstanceLock::holder(file), ::getpid());
+  }
+  EXPECT_EQ(InstanceLock::holder(file), std::nullopt);
+}
+
 TEST(InstanceLock, APlaceThatCannotBeMadeIsSaid) {
   const auto lock = InstanceLock::take("/proc/locd/locd.pid");
   ASSERT_FALSE(lock);

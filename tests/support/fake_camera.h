@@ -25,9 +25,10 @@ class FakeCamera final : public FrameSource, public FrameLender {
     changed_.notify_all();
   }
   /// From now on start and next fail with this message; empty: they work again.
-  void fail_with(const std::string& message) {
+  void fail_with(const std::string& message, ErrorKind kind = ErrorKind::unavailable) {
     const std::lock_guard lock(mutex_);
     failure_ = message;
+    failure_kind_ = kind;
     changed_.notify_all();
   }
   /// The next call does not return before release().
@@ -37,13 +38,16 @@ class FakeCamera final : public FrameSource, public FrameLender {
     stuck_.notify_all();
   }
   [[nodiscard]] int lent() const { return lent_; }
+  [[nodiscard]] int starts() const { return starts_; }
+  [[nodiscard]] bool closed() const { return closed_; }
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] Status start() override {
     stuck_.wait(true);
     const std::lock_guard lock(mutex_);
     stopped_ = false;
-    if (!failure_.empty()) return fail(ErrorKind::unavailable, "{}", failure_);
+    ++starts_;
+    if (!failure_.empty()) return fail(failure_kind_, "{}", failure_);
     return {};
   }
   [[nodiscard]] Expected<std::optional<Frame>> next(Stamp deadline) override {
@@ -51,7 +55,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, as_time_point(deadline),
                         [&] { return stopped_ || !due_.empty() || !failure_.empty(); });
-    if (!failure_.empty()) return fail(ErrorKind::unavailable, "{}", failure_);
+    if (!failure_.empty()) return fail(failure_kind_, "{}", failure_);
     if (stopped_ || due_.empty()) return std::nullopt;
     FrameInfo info;
     info.stamp = due_.front();
@@ -72,6 +76,8 @@ class FakeCamera final : public FrameSource, public FrameLender {
     stopped_ = true;
     changed_.notify_all();
   }
+  void close() override { closed_ = true; }
+  [[nodiscard]] std::string describe() const override { return "64×48, fake"; }
   void take_back(std::uint32_t /*slot*/) noexcept override { --lent_; }
 
  private:
@@ -83,9 +89,12 @@ class FakeCamera final : public FrameSource, public FrameLender {
   std::condition_variable changed_;
   std::deque<Stamp> due_;
   std::string failure_;
+  ErrorKind failure_kind_ = ErrorKind::unavailable;
   bool stopped_ = false;
   std::uint64_t sequence_ = 0;
   std::atomic<int> lent_{0};
+  std::atomic<int> starts_{0};
+  std::atomic<bool> closed_{false};
   std::atomic<bool> stuck_{false};
 };
 

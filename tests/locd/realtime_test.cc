@@ -1,0 +1,61 @@
+#include "locd/realtime.h"
+
+#include <gtest/gtest.h>
+#include <pthread.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <thread>
+
+namespace waymark {
+namespace {
+
+/// Gives up, in a process of its own, whatever would permit real time and locked memory.
+void give_up_rights() {
+  const rlimit none{0, 0};
+  if (::setrlimit(RLIMIT_RTPRIO, &none) != 0 || ::setrlimit(RLIMIT_MEMLOCK, &none) != 0) ::_exit(2);
+  constexpr uid_t kNobody = 65534;
+  if (::geteuid() == 0 && ::setresuid(kNobody, kNobody, kNobody) != 0) ::_exit(2);
+}
+
+[[noreturn]] void end_with(const Status& status) {
+  std::fputs(status ? "permitted" : status.error().message.c_str(), stderr);
+  ::_exit(status ? 0 : status.error().exit_code());
+}
+
+TEST(RealtimeDeathTest, WhatTheSystemDoesNotPermitIsSaidWithWhatToInstall) {
+  EXPECT_EXIT((give_up_rights(), end_with(check_realtime())), testing::ExitedWithCode(78),
+              "realtime = true.*not permitted.*realtime.conf");
+}
+
+TEST(RealtimeDeathTest, MemoryThatMayNotBeLockedIsSaidWithWhatToSet) {
+  EXPECT_EXIT((give_up_rights(), end_with(lock_memory())), testing::ExitedWithCode(78),
+              "lock_memory = true.*LimitMEMLOCK=infinity");
+}
+
+TEST(Realtime, AThreadThatWasPermittedRunsOnFifo) {
+  int policy = -1;
+  Status permitted;
+  std::thread([&] {
+    permitted = make_realtime(kLocalizationPriority);
+    sched_param parameters{};
+    ::pthread_getschedparam(::pthread_self(), &policy, &parameters);
+    EXPECT_EQ(parameters.sched_priority, permitted ? kLocalizationPriority : 0);
+  }).join();
+  EXPECT_EQ(policy, permitted ? SCHED_FIFO : SCHED_OTHER);
+  EXPECT_EQ(check_realtime().has_value(), permitted.has_value());
+}
+
+TEST(Realtime, ThreadsAreNamedByTheFirstFifteenLetters) {
+  std::array<char, 32> name{};
+  std::thread([&] {
+    name_thread("localization of a rig");
+    ::pthread_getname_np(::pthread_self(), name.data(), name.size());
+  }).join();
+  EXPECT_STREQ(name.data(), "localization of");
+}
+
+}  // namespace
+}  // namespace waymark

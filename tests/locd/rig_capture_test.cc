@@ -1,0 +1,86 @@
+#include "locd/rig_capture.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/fake_camera.h"
+
+namespace waymark {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::FakeCamera;
+
+class RigCaptureTest : public testing::Test {
+ protected:
+  RigCaptureTest() {
+    auto camera = std::make_unique<FakeCamera>("cam0", 8, 8);
+    camera_ = camera.get();
+    std::vector<std::unique_ptr<FrameSource>> sources;
+    sources.push_back(std::move(camera));
+    capture_ = std::make_unique<RigCapture>(std::move(sources), SyncOptions{});
+  }
+  template <typename Holds>
+  [[nodiscard]] static bool comes(const Holds& holds, Stamp patience = seconds(20)) {
+    for (const Stamp deadline = monotonic_now() + patience; !holds();) {
+      if (monotonic_now() > deadline) return false;
+      std::this_thread::yield();
+    }
+    return true;
+  }
+
+  FakeCamera* camera_ = nullptr;
+  std::unique_ptr<RigCapture> capture_;
+};
+
+TEST_F(RigCaptureTest, ADeviceThatComesEndsTheBackOff) {
+  camera_->fail_with("absent");
+  capture_->start();
+  // Pauses of 0.1, 0.2, 0.4 and 0.8 s are over: the next one is 1.6 s.
+  ASSERT_TRUE(comes([&] { return camera_->starts() == 5; }));
+  const Stamp before = monotonic_now();
+  capture_->retry();
+  ASSERT_TRUE(comes([&] { return camera_->starts() == 6; }));
+  EXPECT_LT(monotonic_now() - before, milliseconds(800));
+  // And the back-off begins anew.
+  ASSERT_TRUE(comes([&] { return camera_->starts() == 7; }));
+  EXPECT_LT(monotonic_now() - before, milliseconds(1500));
+  camera_->fail_with("");
+  capture_->retry();
+  camera_->give(monotonic_now());
+  EXPECT_TRUE(comes([&] { return capture_->state(0).frames == 1; }));
+  EXPECT_EQ(capture_->state(0).description, "64×48, fake");
+}
+
+TEST_F(RigCaptureTest, WaitingForADeviceIsATurn) {
+  camera_->fail_with("absent");
+  capture_->start();
+  ASSERT_TRUE(comes([&] { return camera_->starts() == 4; }));  // a pause of 0.8 s begins
+  Stamp oldest{0};
+  ASSERT_TRUE(comes([&] {
+    oldest = std::max(oldest, monotonic_now() - capture_->state(0).last_turn);
+    return camera_->starts() == 5;
+  }));
+  EXPECT_LT(oldest, milliseconds(600));
+}
+
+TEST_F(RigCaptureTest, TheDeviceIsClosedByItsOwnThreadWhenItEnds) {
+  capture_->start();
+  camera_->give(monotonic_now());
+  ASSERT_TRUE(comes([&] { return capture_->state(0).frames == 1; }));
+  EXPECT_FALSE(camera_->closed());
+  capture_->stop();
+  EXPECT_TRUE(camera_->closed());
+}
+
+TEST_F(RigCaptureTest, WhatOnlyAnotherConfigurationMendsIsTold) {
+  camera_->fail_with("absent");
+  capture_->start();
+  ASSERT_TRUE(comes([&] { return !capture_->state(0).error.empty(); }));
+  EXPECT_FALSE(capture_->state(0).misconfigured);
+  camera_->fail_with("another serial number", ErrorKind::config);
+  EXPECT_TRUE(comes([&] { return capture_->state(0).misconfigured; }));
+}
+
+}  // namespace
+}  // namespace waymark
