@@ -1,13 +1,16 @@
-// What a frame set costs. Usage: bench_locd_cost CAPTURE MAP [SETS [--detections]]; plays the
-// capture in a loop, as fast as it goes; --detections plays its detections.csv, which leaves the
-// detector out. Times are per set, from frames to pose, without decoding and publishing.
+// What a frame set costs. Usage: bench_locd_cost CAPTURE MAP [SETS [--detections|--record DIR]];
+// plays the capture in a loop, as fast as it goes. --detections plays its detections.csv, which
+// leaves the detector out; --record plays 10 sets a second and records every other 25 of them in
+// DIR, as PGM. Times are per set, from frames to pose, without decoding and publishing.
 #include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "bench/allocation_count.h"
@@ -15,6 +18,7 @@
 #include "drivers/monotonic_clock.h"
 #include "drivers/replay_source.h"
 #include "locd/localizer.h"
+#include "locd/recorder.h"
 
 namespace waymark::bench {
 namespace {
@@ -47,24 +51,57 @@ double resident_mb() {
   return 0;
 }
 
-int run(const std::string& folder, const std::string& map_path, int sets, bool detections) {
-  constexpr int kWarmUp = 20;
-  const Stamp started = monotonic_now();
-  const auto map = read_map_file(map_path);
-  ReplayOptions options;
-  options.loop = true;
-  options.images = !detections;
-  options.detections = detections;
-  auto capture = ReplayCapture::open(folder, options);
-  if (!map || !capture) {
-    fmt::print(stderr, "{}\n", map ? capture.error().message : map.error().message);
-    return 65;
+/// A capture played set by set.
+class Player {
+ public:
+  static std::optional<Player> open(const std::string& folder, bool detections) {
+    ReplayOptions options;
+    options.loop = true;
+    options.images = !detections;
+    options.detections = detections;
+    auto capture = ReplayCapture::open(folder, options);
+    if (!capture) {
+      fmt::print(stderr, "{}\n", capture.error().message);
+      return std::nullopt;
+    }
+    return Player(*capture);
   }
-  auto sources = ReplayCapture::sources(*capture);
-  SyncOptions sync_options;
-  sync_options.tolerance = (*capture)->folder().sync_tolerance;
-  FrameSynchronizer synchronizer(sources.size(), sync_options);
-  Localizer localizer((*capture)->folder().rig, *map, {});
+
+  [[nodiscard]] const Rig& rig() const { return capture_->folder().rig; }
+
+  [[nodiscard]] std::optional<FrameSetLease> next() {
+    for (;;) {
+      for (std::size_t c = 0; c < sources_.size(); ++c) {
+        auto frame = sources_[c]->next(Stamp::max());
+        if (!frame || !*frame) return std::nullopt;
+        const Stamp stamp = (*frame)->stamp();
+        synchronizer_.push(c, std::move(**frame), stamp);
+      }
+      if (auto set = synchronizer_.take(Stamp::max())) return set;
+    }
+  }
+
+ private:
+  explicit Player(std::shared_ptr<ReplayCapture> capture)
+      : capture_(std::move(capture)),
+        sources_(ReplayCapture::sources(capture_)),
+        synchronizer_(sources_.size(), sync_options(*capture_)) {}
+
+  static SyncOptions sync_options(const ReplayCapture& capture) {
+    SyncOptions options;
+    options.tolerance = capture.folder().sync_tolerance;
+    return options;
+  }
+
+  std::shared_ptr<ReplayCapture> capture_;
+  std::vector<std::unique_ptr<FrameSource>> sources_;
+  FrameSynchronizer synchronizer_;
+};
+
+constexpr int kWarmUp = 20;
+
+int measure_stages(Player& player, const MarkerMap& map, int sets, bool detections, Stamp started) {
+  Localizer localizer(player.rig(), map, {});
   PoseEstimate estimate;
   std::vector<Stamp> detect, solve, watch, rest, computed;
   for (auto* times : {&detect, &solve, &watch, &rest, &computed})
@@ -72,14 +109,8 @@ int run(const std::string& folder, const std::string& map_path, int sets, bool d
   AllocationCount spent;
   int ok = 0;
   for (int i = 0; i < sets + kWarmUp; ++i) {
-    for (std::size_t c = 0; c < sources.size(); ++c) {
-      auto frame = sources[c]->next(Stamp::max());
-      if (!frame || !*frame) return 65;
-      const Stamp stamp = (*frame)->stamp();
-      synchronizer.push(c, std::move(**frame), stamp);
-    }
-    auto set = synchronizer.take(Stamp::max());
-    if (!set) continue;
+    const auto set = player.next();
+    if (!set) return 65;
     const AllocationCount before = allocations();
     const Stamp computed_before = thread_time();
     const Stamp begun = monotonic_now();
@@ -112,14 +143,77 @@ int run(const std::string& folder, const std::string& map_path, int sets, bool d
   return 0;
 }
 
+/// The same sets by turns with and without a recording, so that whatever else the machine does
+/// meets both.
+int measure_recording(Player& player, const MarkerMap& map, int sets, const std::string& folder) {
+  constexpr int kBlock = 25;
+  constexpr Stamp kPeriod = std::chrono::milliseconds(100);
+  Localizer localizer(player.rig(), map, {});
+  RecorderOptions options;
+  RecordingFacts facts;
+  facts.codec = "pgm";
+  for (const RigCamera& camera : player.rig().cameras) {
+    const CameraParameters& size = camera.model.parameters();
+    options.pixels.push_back(static_cast<std::size_t>(size.width_px) *
+                             static_cast<std::size_t>(size.height_px));
+    facts.cameras.push_back(camera.name);
+  }
+  options.budget.min_free_bytes = 0;
+  Recorder recorder;
+  PoseEstimate estimate;
+  std::array<std::vector<Stamp>, 2> times;
+  std::uint64_t recorded = 0;
+  Stamp due = monotonic_now();
+  for (int i = -kWarmUp; i < sets; ++i) {
+    const bool records = i >= 0 && i / kBlock % 2 == 1;
+    if (i >= 0 && i % kBlock == 0) {
+      recorded += recorder.state().running ? recorder.state().sets : 0;
+      recorder.stop();
+      const auto started = recorder.start(fmt::format("{}/{}", folder, i), facts, options);
+      if (!records) recorder.stop();
+      if (!started) {
+        fmt::print(stderr, "{}\n", started.error().message);
+        return 74;
+      }
+    }
+    auto set = player.next();
+    if (!set) return 65;
+    due = std::max(due + kPeriod, monotonic_now());
+    std::this_thread::sleep_for(due - monotonic_now());
+    const Stamp begun = monotonic_now();
+    localizer.localize(*set, estimate);
+    const Stamp done = monotonic_now();
+    if (records) recorder.offer(*set);
+    if (i >= 0) times[records ? 1 : 0].push_back(done - begun);
+  }
+  recorder.stop();
+  recorded += recorder.state().sets;
+  print_times("set to pose", times[0]);
+  print_times("the same, recording", times[1]);
+  fmt::print("  {} sets recorded, {} not for want of memory\n", recorded, recorder.state().drops);
+  return 0;
+}
+
 }  // namespace
 }  // namespace waymark::bench
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    fmt::print(stderr, "usage: bench_locd_cost CAPTURE MAP [SETS [--detections]]\n");
+  using namespace waymark::bench;
+  const std::string mode = argc > 4 ? argv[4] : "";
+  if (argc < 3 || (mode == "--record" && argc != 6) ||
+      (mode != "" && mode != "--record" && mode != "--detections")) {
+    fmt::print(stderr, "usage: bench_locd_cost CAPTURE MAP [SETS [--detections|--record DIR]]\n");
     return 64;
   }
+  const waymark::Stamp started = waymark::monotonic_now();
+  const auto map = waymark::read_map_file(argv[2]);
+  if (!map) {
+    fmt::print(stderr, "{}\n", map.error().message);
+    return 65;
+  }
+  auto player = Player::open(argv[1], mode == "--detections");
+  if (!player) return 65;
   const int sets = argc > 3 ? std::atoi(argv[3]) : 300;
-  return waymark::bench::run(argv[1], argv[2], sets, argc > 4);
+  if (mode == "--record") return measure_recording(*player, *map, sets, argv[5]);
+  return measure_stages(*player, *map, sets, mode == "--detections", started);
 }
