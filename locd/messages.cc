@@ -40,8 +40,11 @@ void fill_world_from_base(const PoseEstimate& estimate, const SessionFacts& sess
   const Matrix6d covariance =
       covariance_of_base(estimate.world_from_rig, estimate.covariance, session.base_from_rig);
   Eigen::Map<Eigen::Vector3d>(message.position) = world_from_base.translation;
-  const Eigen::Quaterniond& q = world_from_base.rotation;
-  Eigen::Map<Eigen::Vector4d>(message.quaternion) << q.w(), q.x(), q.y(), q.z();
+  // q and −q are one rotation; a receiver that plots or differences them wants one of the two.
+  Eigen::Vector4d wxyz(world_from_base.rotation.w(), world_from_base.rotation.x(),
+                       world_from_base.rotation.y(), world_from_base.rotation.z());
+  if (wxyz[0] < 0) wxyz = -wxyz;
+  Eigen::Map<Eigen::Vector4d>(message.quaternion) = wxyz;
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.covariance) = covariance;
   message.rms_px = estimate.rms_px;
   message.yaw_deg = session.world_z_is_up ? yaw_deg(world_from_base) : kNaN;

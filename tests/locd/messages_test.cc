@@ -91,6 +91,17 @@ TEST(Messages, YawHasNoMeaningWhereUpIsNotKnown) {
   EXPECT_DOUBLE_EQ(m.x_m, 1);
 }
 
+TEST(Messages, ARotationHasOneQuaternion) {
+  PoseEstimate e = estimate();
+  pose_t plus = make_pose_message(session());
+  fill_pose(e, session(), clock_offset(), Stamp{0}, plus);
+  e.world_from_rig.rotation.coeffs() *= -1;
+  pose_t minus = make_pose_message(session());
+  fill_pose(e, session(), clock_offset(), Stamp{0}, minus);
+  EXPECT_GT(plus.quaternion[0], 0);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(plus.quaternion[i], minus.quaternion[i]);
+}
+
 TEST(Messages, ThePoseIsThatOfTheVehiclesBase) {
   SessionFacts facts = session();
   facts.base_from_rig = {Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 2) / 3)),
