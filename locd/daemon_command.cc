@@ -14,6 +14,7 @@
 #include "locd/camera_check.h"
 #include "locd/camera_sources.h"
 #include "locd/instance_lock.h"
+#include "locd/realtime.h"
 
 namespace waymark {
 namespace {
@@ -74,6 +75,7 @@ Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor)
 }  // namespace
 
 int run_daemon(const DaemonOptions& options) {
+  keep_heap();
   const int signals = signals_as_descriptor();
   auto setup = load_setup(options.config);
   if (!setup) return report_failure(setup.error());

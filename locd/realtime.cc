@@ -1,10 +1,12 @@
 #include "locd/realtime.h"
 
+#include <malloc.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 
 #include <cerrno>
+#include <limits>
 #include <system_error>
 #include <thread>
 
@@ -41,6 +43,12 @@ Status lock_memory() {
               "[service] lock_memory = true: {}; the service needs LimitMEMLOCK=infinity, as "
               "locd.service has it, or set lock_memory = false",
               system_reason());
+}
+
+void keep_heap() {
+  ::mallopt(M_ARENA_MAX, 1);
+  ::mallopt(M_MMAP_MAX, 0);
+  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
 }
 
 }  // namespace waymark

@@ -22,6 +22,11 @@ inline constexpr int kLocalizationPriority = 30;
 /// does not permit it.
 [[nodiscard]] Status lock_memory();
 
+/// Has the allocator keep what it once took, in one heap: after the first sets no page comes or
+/// goes, and the resident memory stands still. For a program whose needs repeat; before its threads
+/// start.
+void keep_heap();
+
 /// Whether threads may be put on SCHED_FIFO: tries it in one of its own.
 [[nodiscard]] Status check_realtime();
 

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstdio>
 #include <thread>
+#include <vector>
 
 namespace waymark {
 namespace {
@@ -33,6 +34,32 @@ TEST(RealtimeDeathTest, WhatTheSystemDoesNotPermitIsSaidWithWhatToInstall) {
 TEST(RealtimeDeathTest, MemoryThatMayNotBeLockedIsSaidWithWhatToSet) {
   EXPECT_EXIT((give_up_rights(), end_with(lock_memory())), testing::ExitedWithCode(78),
               "lock_memory = true.*LimitMEMLOCK=infinity");
+}
+
+/// kB of this process in RAM.
+long resident_kb() {
+  std::FILE* file = std::fopen("/proc/self/statm", "r");
+  long total = 0;
+  long pages = 0;
+  const bool read = file != nullptr && std::fscanf(file, "%ld %ld", &total, &pages) == 2;
+  if (file != nullptr) std::fclose(file);
+  return read ? pages * (::sysconf(_SC_PAGESIZE) / 1024) : 0;
+}
+
+/// How much of 64 MB, taken, written and given back, stays with the process (kB).
+long kept_kb() {
+  const long before = resident_kb();
+  {
+    std::vector<std::vector<char>> blocks;
+    for (int i = 0; i < 64; ++i) blocks.emplace_back(std::size_t{1} << 20, '\1');
+  }
+  return resident_kb() - before;
+}
+
+TEST(RealtimeDeathTest, TheHeapIsKeptWhenAsked) {
+  constexpr long kHalf_kb = 32 * 1024;
+  EXPECT_EXIT(::_exit(kept_kb() < kHalf_kb ? 0 : 1), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT((keep_heap(), ::_exit(kept_kb() > kHalf_kb ? 0 : 1)), testing::ExitedWithCode(0), "");
 }
 
 TEST(Realtime, AThreadThatWasPermittedRunsOnFifo) {
