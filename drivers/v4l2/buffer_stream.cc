@@ -6,7 +6,6 @@
 
 #include "core/base/check.h"
 #include "core/base/system_call.h"
-#include "drivers/buffer_lender.h"
 #include "drivers/v4l2/node_error.h"
 
 namespace waymark {
@@ -46,7 +45,7 @@ struct BufferStream::Query {
 Expected<std::unique_ptr<BufferStream>> BufferStream::start(VideoNode& node,
                                                             const CaptureFormat& format,
                                                             std::size_t wanted) {
-  WAYMARK_CHECK(wanted >= kFewestBuffers && wanted <= BufferLender::kMaxBuffers);
+  WAYMARK_CHECK(wanted >= FrameMaker::kFewestBuffers && wanted <= BufferLender::kMaxBuffers);
   std::unique_ptr<BufferStream> stream(new BufferStream(node, format));
   v4l2_requestbuffers request{};
   request.count = static_cast<__u32>(wanted);
@@ -55,9 +54,9 @@ Expected<std::unique_ptr<BufferStream>> BufferStream::start(VideoNode& node,
   if (const int failed = node.request(VIDIOC_REQBUFS, &request); failed != 0) {
     return tl::make_unexpected(node_error(node, "can't get buffers", failed));
   }
-  if (request.count < kFewestBuffers) {
+  if (request.count < FrameMaker::kFewestBuffers) {
     return fail(ErrorKind::unavailable, "{}: the driver has only {} buffers; {} are needed",
-                node.path(), request.count, kFewestBuffers);
+                node.path(), request.count, FrameMaker::kFewestBuffers);
   }
   const std::size_t count = std::min<std::size_t>(request.count, BufferLender::kMaxBuffers);
   if (auto mapped = stream->map_buffers(count); !mapped) {

@@ -15,16 +15,13 @@ namespace waymark {
 class BufferStream {
  public:
   /// Asks for `wanted` buffers, maps them, gives all to the driver and lets it stream. The node
-  /// must outlive it. Errors: those of node_error; unavailable for fewer than kFewestBuffers.
+  /// must outlive it. Errors: those of node_error; unavailable for fewer than FrameMaker needs.
   [[nodiscard]] static Expected<std::unique_ptr<BufferStream>> start(VideoNode& node,
                                                                      const CaptureFormat& format,
                                                                      std::size_t wanted);
   ~BufferStream();
   BufferStream(const BufferStream&) = delete;
   BufferStream& operator=(const BufferStream&) = delete;
-
-  /// One that we hold and two for the driver to fill in turn.
-  static constexpr std::size_t kFewestBuffers = 3;
 
   [[nodiscard]] std::size_t count() const { return memory_->size(); }
   /// Keeps all buffers mapped, also after this has ended.

@@ -4,20 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "drivers/camera_controls.h"
 #include "drivers/v4l2/video_node.h"
 
 namespace waymark {
-
-/// How a camera shall take its images; what is absent stays as the device has it.
-struct CameraControls {
-  std::optional<double> exposure_us = std::nullopt;  ///< µs; automatic exposure is switched off
-  std::optional<double> gain =
-      std::nullopt;  ///< in the device's unit; automatic gain is switched off
-  std::optional<double> white_balance_k =
-      std::nullopt;                                 ///< K; automatic white balance is switched off
-  std::optional<double> focus = std::nullopt;       ///< in the device's unit
-  std::optional<int> power_line_hz = std::nullopt;  ///< 0 (off), 50 or 60
-};
 
 /// How it was found to take them.
 struct AppliedControls {

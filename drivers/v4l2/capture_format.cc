@@ -88,15 +88,15 @@ void read_format(const v4l2_format& format, CaptureFormat& capture, std::uint32_
   if (capture.multiplanar) {
     const v4l2_pix_format_mplane& planes = format.fmt.pix_mp;
     fourcc = planes.pixelformat;
-    capture.width_px = static_cast<int>(planes.width);
-    capture.height_px = static_cast<int>(planes.height);
-    capture.stride_bytes = planes.plane_fmt[0].bytesperline;
+    capture.layout.width_px = static_cast<int>(planes.width);
+    capture.layout.height_px = static_cast<int>(planes.height);
+    capture.layout.stride_bytes = planes.plane_fmt[0].bytesperline;
     capture.planes = planes.num_planes;
   } else {
     fourcc = format.fmt.pix.pixelformat;
-    capture.width_px = static_cast<int>(format.fmt.pix.width);
-    capture.height_px = static_cast<int>(format.fmt.pix.height);
-    capture.stride_bytes = format.fmt.pix.bytesperline;
+    capture.layout.width_px = static_cast<int>(format.fmt.pix.width);
+    capture.layout.height_px = static_cast<int>(format.fmt.pix.height);
+    capture.layout.stride_bytes = format.fmt.pix.bytesperline;
   }
 }
 
@@ -109,13 +109,13 @@ Status set_format(VideoNode& node, const CaptureRequest& request, CaptureFormat&
   if (capture.multiplanar) {
     format.fmt.pix_mp.width = width;
     format.fmt.pix_mp.height = height;
-    format.fmt.pix_mp.pixelformat = capture.pixels->fourcc;
+    format.fmt.pix_mp.pixelformat = capture.layout.pixels->fourcc;
     format.fmt.pix_mp.field = V4L2_FIELD_NONE;
     format.fmt.pix_mp.num_planes = 1;
   } else {
     format.fmt.pix.width = width;
     format.fmt.pix.height = height;
-    format.fmt.pix.pixelformat = capture.pixels->fourcc;
+    format.fmt.pix.pixelformat = capture.layout.pixels->fourcc;
     format.fmt.pix.field = V4L2_FIELD_NONE;
   }
   if (const int failed = node.request(VIDIOC_S_FMT, &format); failed != 0) {
@@ -123,20 +123,21 @@ Status set_format(VideoNode& node, const CaptureRequest& request, CaptureFormat&
   }
   std::uint32_t fourcc = 0;
   read_format(format, capture, fourcc);
-  if (fourcc != capture.pixels->fourcc || capture.width_px != request.width_px ||
-      capture.height_px != request.height_px) {
+  if (fourcc != capture.layout.pixels->fourcc || capture.layout.width_px != request.width_px ||
+      capture.layout.height_px != request.height_px) {
     return fail(ErrorKind::config,
                 "{}: {} {}×{} px is wanted (rig.yaml's resolution), the device gives {} {}×{}; it "
                 "offers {}",
-                node.path(), capture.pixels->name, request.width_px, request.height_px,
-                fourcc_text(fourcc), capture.width_px, capture.height_px, offered_formats(node));
+                node.path(), capture.layout.pixels->name, request.width_px, request.height_px,
+                fourcc_text(fourcc), capture.layout.width_px, capture.layout.height_px,
+                offered_formats(node));
   }
-  const auto row_bytes = static_cast<std::size_t>(capture.width_px) *
-                         static_cast<std::size_t>(capture.pixels->bytes_per_pixel);
-  if (capture.stride_bytes == 0) capture.stride_bytes = row_bytes;
-  if (capture.stride_bytes < row_bytes || capture.planes > VIDEO_MAX_PLANES) {
+  const auto row_bytes = static_cast<std::size_t>(capture.layout.width_px) *
+                         static_cast<std::size_t>(capture.layout.pixels->bytes_per_pixel);
+  if (capture.layout.stride_bytes == 0) capture.layout.stride_bytes = row_bytes;
+  if (capture.layout.stride_bytes < row_bytes || capture.planes > VIDEO_MAX_PLANES) {
     return fail(ErrorKind::io, "{}: the driver states {} bytes per row of {} px, which can't be",
-                node.path(), capture.stride_bytes, capture.width_px);
+                node.path(), capture.layout.stride_bytes, capture.layout.width_px);
   }
   return {};
 }
@@ -169,9 +170,9 @@ double rate_of(const v4l2_fract& period) {
 std::string offered_rates(VideoNode& node, const CaptureFormat& capture) {
   std::vector<std::string> rates;
   v4l2_frmivalenum interval{};
-  interval.pixel_format = capture.pixels->fourcc;
-  interval.width = static_cast<__u32>(capture.width_px);
-  interval.height = static_cast<__u32>(capture.height_px);
+  interval.pixel_format = capture.layout.pixels->fourcc;
+  interval.width = static_cast<__u32>(capture.layout.width_px);
+  interval.height = static_cast<__u32>(capture.layout.height_px);
   for (; interval.index < kMaxListed && node.request(VIDIOC_ENUM_FRAMEINTERVALS, &interval) == 0;
        ++interval.index) {
     if (interval.type == V4L2_FRMIVAL_TYPE_DISCRETE) {
@@ -210,12 +211,6 @@ Status set_rate(VideoNode& node, double fps, CaptureFormat& capture) {
 
 }  // namespace
 
-std::size_t CaptureFormat::least_bytes() const {
-  if (pixels->kind == PixelFormat::Kind::jpeg) return 1;
-  return stride_bytes * static_cast<std::size_t>(height_px - 1) +
-         static_cast<std::size_t>(width_px) * static_cast<std::size_t>(pixels->bytes_per_pixel);
-}
-
 Expected<CaptureFormat> set_capture_format(VideoNode& node, const CaptureRequest& request) {
   CaptureFormat capture;
   const auto multiplanar = is_multiplanar(node);
@@ -223,7 +218,7 @@ Expected<CaptureFormat> set_capture_format(VideoNode& node, const CaptureRequest
   capture.multiplanar = *multiplanar;
   const auto pixels = choose_pixels(node, capture.buffer_type(), request);
   if (!pixels) return tl::make_unexpected(pixels.error());
-  capture.pixels = *pixels;
+  capture.layout.pixels = *pixels;
   if (auto set = set_format(node, request, capture); !set) return tl::make_unexpected(set.error());
   if (auto whole = check_crop(node); !whole) return tl::make_unexpected(whole.error());
   if (auto set = set_rate(node, request.fps, capture); !set) {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "drivers/v4l2/pixel_format.h"
+#include "drivers/frame_maker.h"
 #include "drivers/v4l2/video_node.h"
 
 namespace waymark {
@@ -18,10 +18,7 @@ struct CaptureRequest {
 
 /// What it was found to deliver.
 struct CaptureFormat {
-  const PixelFormat* pixels = nullptr;
-  int width_px = 0;
-  int height_px = 0;
-  std::size_t stride_bytes = 0;
+  FrameLayout layout;
   double fps = 0;  ///< 1/s, read back; 0: the device does not say
   bool multiplanar = false;
   std::size_t planes = 1;  ///< of a buffer; the first holds all we need
@@ -30,8 +27,6 @@ struct CaptureFormat {
   [[nodiscard]] v4l2_buf_type buffer_type() const {
     return multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
   }
-  /// Fewer bytes in the first plane are a short frame.
-  [[nodiscard]] std::size_t least_bytes() const;
 };
 
 /// Sets format and frame rate and reads both back. Errors: config, with what the device can do,

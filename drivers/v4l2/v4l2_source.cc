@@ -2,18 +2,13 @@
 
 #include <fmt/ranges.h>
 
-#include <algorithm>
-
-#include "drivers/buffer_lender.h"
 #include "drivers/interrupt.h"
+#include "drivers/stall_watch.h"
 #include "drivers/v4l2/buffer_stamp.h"
 #include "drivers/v4l2/buffer_stream.h"
 
 namespace waymark {
 namespace {
-
-constexpr std::size_t kDriverBuffers = 2;                  ///< never lent
-constexpr Stamp kSlowestPeriod = std::chrono::seconds(1);  ///< of a device that does not say
 
 class V4l2Source final : public FrameSource {
  public:
@@ -45,14 +40,13 @@ class V4l2Source final : public FrameSource {
   void stop() override { interrupt_.raise(); }
 
   void close() override {
-    lender_.end();
+    frames_.end();
     stream_.reset();
     node_.reset();
-    images_.reset();
   }
 
-  [[nodiscard]] std::uint64_t damaged() const override { return damaged_; }
-  [[nodiscard]] std::uint64_t lost() const override { return lost_; }
+  [[nodiscard]] std::uint64_t damaged() const override { return frames_.damaged(); }
+  [[nodiscard]] std::uint64_t lost() const override { return frames_.lost(); }
 
   [[nodiscard]] Expected<DeviceReport> inspect() override {
     const auto device = find_device(options_.device, system_->devices());
@@ -67,13 +61,14 @@ class V4l2Source final : public FrameSource {
 
   [[nodiscard]] std::string describe() const override {
     if (stream_ == nullptr) return {};
+    const FrameLayout& layout = format_.layout;
     std::string text =
-        fmt::format("{} {}×{}", format_.pixels->name, format_.width_px, format_.height_px);
+        fmt::format("{} {}×{}", layout.pixels->name, layout.width_px, layout.height_px);
     if (format_.fps > 0) text += fmt::format(" at {:.4g}/s", format_.fps);
     text += exposure_us() > 0 ? fmt::format(", exposure {} µs", exposure_us())
                               : std::string(", exposure not known");
     if (controls_.gain) text += fmt::format(", gain {}", *controls_.gain);
-    if (sequence_) text += fmt::format(", stamps: {}", name_of(meaning_));
+    if (frames_.counted()) text += fmt::format(", stamps: {}", name_of(meaning_));
     return text + notes();
   }
 
@@ -104,27 +99,12 @@ class V4l2Source final : public FrameSource {
   }
 
   [[nodiscard]] Status stream() {
-    auto started = BufferStream::start(*node_, format_, kV4l2Buffers);
+    auto started = BufferStream::start(*node_, format_, FrameMaker::kBuffers);
     if (!started) return tl::make_unexpected(started.error());
     stream_ = std::move(*started);
-    const std::size_t lendable = stream_->count() - kDriverBuffers;
-    if (in_place()) {
-      lender_.begin(stream_->memory(), lendable);
-    } else {
-      images_ = std::make_shared<std::vector<GrayImage>>(
-          lendable, GrayImage(format_.width_px, format_.height_px));
-      free_images_.resize(lendable);
-      for (std::uint32_t i = 0; i < lendable; ++i) free_images_[i] = i;
-      lender_.begin(images_, lendable);
-    }
-    sequence_.reset();
-    last_good_ = system_->now();
+    frames_.begin(format_.layout, stream_->memory(), stream_->count());
+    stall_.begin(system_->now(), format_.fps);
     return {};
-  }
-
-  /// Whether frames are lent where the driver put them.
-  [[nodiscard]] bool in_place() const {
-    return format_.pixels->kind == PixelFormat::Kind::luma_first;
   }
 
   [[nodiscard]] Expected<std::optional<Frame>> next_of_stream(Stamp deadline) {
@@ -138,29 +118,19 @@ class V4l2Source final : public FrameSource {
       } else if (promised) {
         return fail(ErrorKind::io, "{}: the driver reports an error", node_->path());
       }
-      if (system_->now() - last_good_ > patience()) {
+      if (stall_.stalled(system_->now())) {
         return fail(ErrorKind::io, "{}: no whole frame for {:.1f} s; starting it again",
-                    node_->path(), std::chrono::duration<double>(patience()).count());
+                    node_->path(), std::chrono::duration<double>(stall_.patience()).count());
       }
       promised = !*filled && node_->wait(deadline, interrupt_.descriptor());
       if (!*filled && !promised) return std::nullopt;
     }
   }
 
-  [[nodiscard]] Stamp patience() const {
-    const Stamp period =
-        format_.fps > 0 ? Stamp(static_cast<Stamp::rep>(1e9 / format_.fps)) : kSlowestPeriod;
-    return std::chrono::seconds(2) + 5 * period;
-  }
-
-  /// What is no longer lent goes back to where it is filled.
+  /// What is no longer lent goes back to the driver.
   [[nodiscard]] Status give_returned() {
-    for (const std::uint32_t index : lender_.take_returned()) {
-      if (!in_place()) {
-        free_images_.push_back(index);
-      } else if (auto given = stream_->give(index); !given) {
-        return given;
-      }
+    for (const std::uint32_t index : frames_.take_returned()) {
+      if (auto given = stream_->give(index); !given) return given;
     }
     return {};
   }
@@ -168,65 +138,22 @@ class V4l2Source final : public FrameSource {
   /// nullopt when the frame can't be used: counted, and its buffer given back.
   [[nodiscard]] Expected<std::optional<Frame>> frame_of(const BufferStream::Filled& filled) {
     const FrameInfo info = info_of(filled);
-    const bool whole =
-        (filled.flags & V4L2_BUF_FLAG_ERROR) == 0 && filled.bytes.size() >= format_.least_bytes();
-    std::optional<Frame> frame;
-    if (!whole) {
-      ++damaged_;
-    } else if (in_place()) {
-      frame = lend_in_place(filled, info);
+    FrameMaker::Made made;
+    if ((filled.flags & V4L2_BUF_FLAG_ERROR) != 0) {
+      frames_.discard();
     } else {
-      frame = convert(filled, info);
+      made = frames_.make(filled.index, filled.bytes, info);
     }
-    if (frame) last_good_ = info.arrival;
-    if (!frame || !in_place()) {
+    if (made.frame) stall_.frame(info.arrival);
+    if (made.buffer_is_free) {
       if (auto given = stream_->give(filled.index); !given) {
         return tl::make_unexpected(given.error());
       }
     }
-    return frame;
-  }
-
-  [[nodiscard]] std::optional<Frame> lend_in_place(const BufferStream::Filled& filled,
-                                                   const FrameInfo& info) {
-    const auto slot = lender_.lend(filled.index);
-    if (!slot) {
-      ++lost_;
-      return std::nullopt;
-    }
-    const GrayView view{filled.bytes.data(), format_.width_px, format_.height_px,
-                        format_.stride_bytes};
-    return Frame(info, view, nullptr, &lender_, *slot);
-  }
-
-  [[nodiscard]] std::optional<Frame> convert(const BufferStream::Filled& filled,
-                                             const FrameInfo& info) {
-    if (free_images_.empty()) {
-      ++lost_;
-      return std::nullopt;
-    }
-    const std::uint32_t index = free_images_.back();
-    GrayImage& image = (*images_)[index];
-    if (!convert_to_gray(*format_.pixels, filled.bytes, format_.stride_bytes, image)) {
-      ++damaged_;
-      return std::nullopt;
-    }
-    const auto slot = lender_.lend(index);
-    WAYMARK_CHECK(slot.has_value());  // as many images as may be lent
-    free_images_.pop_back();
-    return Frame(info, image.view(), nullptr, &lender_, *slot);
+    return std::move(made.frame);
   }
 
   [[nodiscard]] FrameInfo info_of(const BufferStream::Filled& filled) {
-    if (sequence_) {
-      // The device counts in 32 bits; a driver that does not count repeats itself.
-      const auto step = std::max<std::uint32_t>(1, filled.sequence - device_sequence_);
-      if (step < kWildStep) lost_ += step - 1;
-      *sequence_ += step < kWildStep ? step : 1;
-    } else {
-      sequence_ = filled.sequence;
-    }
-    device_sequence_ = filled.sequence;
     meaning_ = stamp_meaning(filled.flags);
     const MidExposure mid =
         mid_exposure(meaning_, filled.stamp, {controls_.exposure, options_.readout});
@@ -234,7 +161,7 @@ class V4l2Source final : public FrameSource {
     info.stamp = mid.stamp;
     info.quality = mid.quality;
     info.arrival = system_->now();
-    info.sequence = *sequence_;
+    info.sequence = frames_.count(filled.sequence);
     info.exposure = controls_.exposure;
     return info;
   }
@@ -246,25 +173,16 @@ class V4l2Source final : public FrameSource {
     return controls_.notes.empty() ? "" : fmt::format("; {}", fmt::join(controls_.notes, "; "));
   }
 
-  /// A larger step of the device's count is a new count (1e3–1e9).
-  static constexpr std::uint32_t kWildStep = 1'000'000;
-
   std::shared_ptr<VideoSystem> system_;
   V4l2Options options_;
   Interrupt interrupt_;
-  BufferLender lender_;
+  FrameMaker frames_;
   std::unique_ptr<VideoNode> node_;
   CaptureFormat format_;
   AppliedControls controls_;
-  std::unique_ptr<BufferStream> stream_;            ///< of node_: ends before it does
-  std::shared_ptr<std::vector<GrayImage>> images_;  ///< of converted frames
-  std::vector<std::uint32_t> free_images_;
-  std::optional<std::uint64_t> sequence_;  ///< of the last frame; none since start: nullopt
-  std::uint32_t device_sequence_ = 0;
+  std::unique_ptr<BufferStream> stream_;  ///< of node_: ends before it does
+  StallWatch stall_;
   StampMeaning meaning_ = StampMeaning::unknown;
-  Stamp last_good_{0};
-  std::uint64_t damaged_ = 0;
-  std::uint64_t lost_ = 0;
 };
 
 }  // namespace

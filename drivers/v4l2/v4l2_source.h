@@ -20,11 +20,6 @@ struct V4l2Options {
   Stamp readout{0};  ///< rolling shutter, first to last row
 };
 
-/// Buffers asked for. Four frames of a camera are lent at most at a time: one under way into the
-/// synchronizer, one in it, one in the newest set, one being localized (recordings are copies); two
-/// stay with the driver.
-inline constexpr std::size_t kV4l2Buffers = 6;
-
 /// A camera's frames by memory-mapped streaming: luma is used where the driver put it, other
 /// formats are converted once. Every start finds the device anew, by its identity, and sets
 /// everything anew. A device without a frame for five periods and two seconds is an io error.

@@ -34,9 +34,9 @@ class CaptureFormatTest : public testing::Test {
 TEST_F(CaptureFormatTest, TheBestThatIsOfferedIsTaken) {
   const auto format = set({64, 48, nullptr, 30});
   ASSERT_TRUE(format) << format.error().message;
-  EXPECT_EQ(format->pixels->name, "GREY");
-  EXPECT_EQ(format->stride_bytes, 64U);
-  EXPECT_EQ(format->least_bytes(), 64U * 48);
+  EXPECT_EQ(format->layout.pixels->name, "GREY");
+  EXPECT_EQ(format->layout.stride_bytes, 64U);
+  EXPECT_EQ(format->layout.least_bytes(), 64U * 48);
   EXPECT_DOUBLE_EQ(format->fps, 30);
 }
 
@@ -44,7 +44,7 @@ TEST_F(CaptureFormatTest, TheLastRowNeedsNoPadding) {
   device_.stride_bytes = 160;
   const auto format = set({64, 48, find_pixel_format("YUYV"), 0});
   ASSERT_TRUE(format) << format.error().message;
-  EXPECT_EQ(format->least_bytes(), 160U * 47 + 128);
+  EXPECT_EQ(format->layout.least_bytes(), 160U * 47 + 128);
 }
 
 TEST_F(CaptureFormatTest, AnotherResolutionIsRefusedAndNamesWhatThereIs) {

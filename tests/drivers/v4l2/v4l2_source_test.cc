@@ -236,7 +236,7 @@ TEST_F(V4l2SourceTest, YuyvIsConvertedAndItsBufferGivenBackAtOnce) {
   std::vector<Frame> held;
   for (int i = 0; i < 4; ++i) held.push_back(taken(frame));
   EXPECT_EQ(held[3].image().row(kHeight - 1)[kWidth - 1], 33);
-  EXPECT_EQ(camera().queued.size(), kV4l2Buffers);
+  EXPECT_EQ(camera().queued.size(), FrameMaker::kBuffers);
   deliver(frame);
   EXPECT_FALSE(next()->has_value());
   EXPECT_EQ(source().lost(), 1U);

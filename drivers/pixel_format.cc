@@ -1,4 +1,4 @@
-#include "drivers/v4l2/pixel_format.h"
+#include "drivers/pixel_format.h"
 
 #include <linux/videodev2.h>
 
