@@ -6,7 +6,9 @@
 #include <cmath>
 #include <map>
 
+#include "drivers/libcamera/libcamera_source.h"
 #include "drivers/replay_source.h"
+#include "drivers/v4l2/device_lookup.h"
 #include "drivers/v4l2/v4l2_source.h"
 
 namespace waymark {
@@ -24,10 +26,9 @@ class SourceMaker {
       case CameraDriver::v4l2:
         return v4l2(camera, in_rig);
       case CameraDriver::libcamera:
-        break;
+        return libcamera(camera, in_rig);
     }
-    return fail(ErrorKind::unavailable,
-                "[[camera]] {}: this build has no driver \"libcamera\"; use \"v4l2\"", camera.name);
+    return fail(ErrorKind::internal, "[[camera]] {}: unknown driver", camera.name);
   }
 
  private:
@@ -52,14 +53,39 @@ class SourceMaker {
   }
 
   Expected<Source> v4l2(const Config::Camera& camera, const RigCamera& in_rig) {
+    auto options = options_of(camera, in_rig);
+    if (!options) return tl::make_unexpected(options.error());
+    if (auto named = name_device(camera, *options); !named) {
+      return tl::make_unexpected(named.error());
+    }
+    return v4l2_source(system(), *options);
+  }
+
+  Expected<Source> libcamera(const Config::Camera& camera, const RigCamera& in_rig) {
+    auto options = options_of(camera, in_rig);
+    if (!options) return tl::make_unexpected(options.error());
+    LibcameraOptions chosen{std::move(*options), ""};
+    if (is_libcamera_id(camera.device)) {
+      chosen.id = camera.device;
+    } else if (auto named = name_device(camera, chosen.camera); !named) {
+      return tl::make_unexpected(named.error());
+    }
+    return libcamera_source(system(), chosen);
+  }
+
+  static Status name_device(const Config::Camera& camera, CameraOptions& options) {
     auto device = parse_device_identity(camera.device);
     if (!device) {
       return fail(ErrorKind::config, "[[camera]] {}: device {}", camera.name,
                   device.error().message);
     }
-    V4l2Options options;
-    options.name = camera.name;
     options.device = std::move(*device);
+    return {};
+  }
+
+  static Expected<CameraOptions> options_of(const Config::Camera& camera, const RigCamera& in_rig) {
+    CameraOptions options;
+    options.name = camera.name;
     options.serial = in_rig.serial;
     options.request.width_px = in_rig.model.parameters().width_px;
     options.request.height_px = in_rig.model.parameters().height_px;
@@ -71,8 +97,12 @@ class SourceMaker {
     options.controls = {camera.exposure_us, camera.gain, camera.white_balance_k, camera.focus,
                         camera.power_line_hz};
     options.readout = Stamp(std::llround(in_rig.readout_us.value_or(0) * 1e3));
+    return options;
+  }
+
+  std::shared_ptr<VideoSystem> system() {
     if (system_ == nullptr) system_ = kernel_video_system();
-    return v4l2_source(system_, options);
+    return system_;
   }
 
   static tl::unexpected<Error> unknown_format(const Config::Camera& camera) {

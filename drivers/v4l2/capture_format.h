@@ -3,18 +3,11 @@
 #include <string>
 #include <vector>
 
+#include "drivers/camera_options.h"
 #include "drivers/frame_maker.h"
 #include "drivers/v4l2/video_node.h"
 
 namespace waymark {
-
-/// What a camera shall deliver.
-struct CaptureRequest {
-  int width_px = 0;
-  int height_px = 0;
-  const PixelFormat* pixels = nullptr;  ///< null: the best that the device offers
-  double fps = 0;                       ///< 1/s; 0: what the device does
-};
 
 /// What it was found to deliver.
 struct CaptureFormat {

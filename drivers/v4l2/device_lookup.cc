@@ -96,6 +96,15 @@ Expected<VideoDevice> find_device(const DeviceIdentity& identity,
               identity.text(), names_of(fitting));
 }
 
+Status check_serial(const VideoDevice& device, const CameraOptions& options) {
+  if (options.serial.empty() || device.serial == options.serial) return {};
+  return fail(
+      ErrorKind::config,
+      "{}: has serial number \"{}\", rig.yaml's {} has \"{}\": another camera needs another "
+      "calibration",
+      device.node, device.serial, options.name, options.serial);
+}
+
 std::string identity_among(const VideoDevice& device, const std::vector<VideoDevice>& devices) {
   std::vector<DeviceIdentity> candidates;
   if (!device.serial.empty()) candidates.push_back({"", device.serial, ""});

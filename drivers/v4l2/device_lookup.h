@@ -4,19 +4,10 @@
 #include <string_view>
 #include <vector>
 
+#include "drivers/camera_options.h"
 #include "drivers/v4l2/video_node.h"
 
 namespace waymark {
-
-/// Which camera is meant: by a stable name, or by serial number and place on the bus. Never by a
-/// number: those change with the order in which cameras are plugged in.
-struct DeviceIdentity {
-  std::string path;    ///< /dev/v4l/by-id/…, or any link that the system keeps up
-  std::string serial;  ///< else both or one of these
-  std::string bus;
-
-  [[nodiscard]] std::string text() const;
-};
 
 /// "/dev/video2 (Emu Grey, usb-0000:00:14.0-2, serial 4711)", for messages.
 [[nodiscard]] std::string name_of(const VideoDevice& device);
@@ -29,6 +20,10 @@ struct DeviceIdentity {
 /// config when several can't be told apart by it.
 [[nodiscard]] Expected<VideoDevice> find_device(const DeviceIdentity& identity,
                                                 const std::vector<VideoDevice>& devices);
+
+/// Whether it is the camera that was calibrated: config when rig.yaml states another serial number
+/// than the device.
+[[nodiscard]] Status check_serial(const VideoDevice& device, const CameraOptions& options);
 
 /// The shortest identity that tells `device` from all others: its serial number, its bus or a link.
 /// Empty when nothing does.

@@ -6,13 +6,15 @@
 #include "drivers/stall_watch.h"
 #include "drivers/v4l2/buffer_stamp.h"
 #include "drivers/v4l2/buffer_stream.h"
+#include "drivers/v4l2/camera_controls.h"
+#include "drivers/v4l2/device_lookup.h"
 
 namespace waymark {
 namespace {
 
 class V4l2Source final : public FrameSource {
  public:
-  V4l2Source(std::shared_ptr<VideoSystem> system, const V4l2Options& options)
+  V4l2Source(std::shared_ptr<VideoSystem> system, const CameraOptions& options)
       : system_(std::move(system)), options_(options) {}
   ~V4l2Source() override { V4l2Source::close(); }
   V4l2Source(const V4l2Source&) = delete;
@@ -76,12 +78,7 @@ class V4l2Source final : public FrameSource {
   [[nodiscard]] Status open_device() {
     const auto device = find_device(options_.device, system_->devices());
     if (!device) return tl::make_unexpected(device.error());
-    if (!options_.serial.empty() && device->serial != options_.serial) {
-      return fail(ErrorKind::config,
-                  "{}: has serial number \"{}\", rig.yaml's {} has \"{}\": another camera needs "
-                  "another calibration",
-                  device->node, device->serial, name(), options_.serial);
-    }
+    if (auto same = check_serial(*device, options_); !same) return same;
     auto opened = system_->open(device->node);
     if (!opened) return tl::make_unexpected(opened.error());
     node_ = std::move(*opened);
@@ -174,7 +171,7 @@ class V4l2Source final : public FrameSource {
   }
 
   std::shared_ptr<VideoSystem> system_;
-  V4l2Options options_;
+  CameraOptions options_;
   Interrupt interrupt_;
   FrameMaker frames_;
   std::unique_ptr<VideoNode> node_;
@@ -188,7 +185,7 @@ class V4l2Source final : public FrameSource {
 }  // namespace
 
 std::unique_ptr<FrameSource> v4l2_source(std::shared_ptr<VideoSystem> system,
-                                         const V4l2Options& options) {
+                                         const CameraOptions& options) {
   return std::make_unique<V4l2Source>(std::move(system), options);
 }
 

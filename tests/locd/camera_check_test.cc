@@ -18,7 +18,7 @@ using testing::Not;
 class CheckCameras : public testing::Test {
  protected:
   [[nodiscard]] Status check(std::optional<int> owner) {
-    V4l2Options options;
+    CameraOptions options;
     options.name = "cam0";
     options.device.serial = serial_;
     options.request = {64, 48, nullptr, 30};

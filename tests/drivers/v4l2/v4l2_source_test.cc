@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "core/capture/jpeg.h"
+#include "drivers/frame_maker.h"
 #include "tests/drivers/v4l2/fake_video_system.h"
 
 namespace waymark {
@@ -57,7 +58,7 @@ class V4l2SourceTest : public testing::Test {
   }
 
   std::shared_ptr<test::FakeVideoSystem> system_ = std::make_shared<test::FakeVideoSystem>();
-  V4l2Options options_;
+  CameraOptions options_;
   std::unique_ptr<FrameSource> source_;
 };
 

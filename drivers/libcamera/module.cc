@@ -1,0 +1,331 @@
+#include <fmt/ranges.h>
+#include <libcamera/camera_manager.h>
+#include <libcamera/control_ids.h>
+#include <libcamera/framebuffer_allocator.h>
+#include <libcamera/logging.h>
+#include <libcamera/property_ids.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cmath>
+#include <ctime>
+#include <system_error>
+
+#include "drivers/frame_maker.h"
+#include "drivers/libcamera/camera_settings.h"
+#include "drivers/libcamera/libcamera_source.h"
+#include "drivers/libcamera/mapped_frame_buffer.h"
+#include "drivers/libcamera/request_queue.h"
+#include "drivers/libcamera/stamp_clock.h"
+#include "drivers/mid_exposure.h"
+#include "drivers/stall_watch.h"
+#include "drivers/v4l2/device_lookup.h"
+
+namespace waymark {
+namespace {
+
+std::string reason(int negative_errno) {
+  return std::error_code(-negative_errno, std::generic_category()).message();
+}
+
+Stamp boottime_now() {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+/// libcamera allows one manager per process: all cameras share it, the first one starts it.
+Expected<std::shared_ptr<libcamera::CameraManager>> shared_manager() {
+  static std::mutex mutex;
+  static std::weak_ptr<libcamera::CameraManager> current;
+  const std::lock_guard lock(mutex);
+  if (auto running = current.lock()) return running;
+  libcamera::logSetLevel("*", "WARN");
+  auto manager = std::make_shared<libcamera::CameraManager>();
+  if (const int failed = manager->start(); failed < 0) {
+    return fail(ErrorKind::unavailable, "libcamera can't start: {}", reason(failed));
+  }
+  current = manager;
+  return manager;
+}
+
+class LibcameraSource final : public FrameSource {
+ public:
+  LibcameraSource(std::shared_ptr<VideoSystem> system, const LibcameraOptions& options)
+      : system_(std::move(system)), options_(options) {}
+  ~LibcameraSource() override { LibcameraSource::close(); }
+  LibcameraSource(const LibcameraSource&) = delete;
+  LibcameraSource& operator=(const LibcameraSource&) = delete;
+
+  [[nodiscard]] const std::string& name() const override { return options_.camera.name; }
+
+  [[nodiscard]] Status start() override {
+    close();
+    queue_.begin();
+    Status started = acquire();
+    if (started) started = configure();
+    if (started) started = allocate();
+    if (started) started = stream();
+    if (!started) close();
+    return started;
+  }
+
+  [[nodiscard]] Expected<std::optional<Frame>> next(Stamp deadline) override {
+    auto frame = streams_ ? next_of_stream(deadline)
+                          : fail(ErrorKind::unavailable, "{} is not open", name());
+    if (!frame) close();
+    return frame;
+  }
+
+  void stop() override { queue_.stop(); }
+
+  void close() override {
+    if (camera_ != nullptr) {
+      if (streams_) camera_->stop();
+      camera_->requestCompleted.disconnect(this);
+      camera_->disconnected.disconnect(this);
+    }
+    streams_ = false;
+    frames_.end();
+    requests_.clear();
+    memory_.reset();
+    allocator_.reset();
+    if (camera_ != nullptr) camera_->release();
+    camera_.reset();
+  }
+
+  [[nodiscard]] std::uint64_t damaged() const override { return frames_.damaged(); }
+  [[nodiscard]] std::uint64_t lost() const override { return frames_.lost(); }
+
+  [[nodiscard]] Expected<DeviceReport> inspect() override {
+    const auto camera = find_camera();
+    if (!camera) return tl::make_unexpected(camera.error());
+    const auto model = (*camera)->properties().get(libcamera::properties::Model);
+    DeviceReport report;
+    report.text = fmt::format("{} ({}), offers {}", (*camera)->id(), model.value_or("no model"),
+                              offered_formats(**camera));
+    return report;
+  }
+
+  [[nodiscard]] std::string describe() const override {
+    if (!streams_) return {};
+    const auto us = std::chrono::duration<double, std::micro>(exposure_).count();
+    return fmt::format("{} {}×{} by libcamera, exposure {}, stamps: {}", layout_.pixels->name,
+                       layout_.width_px, layout_.height_px,
+                       us > 0 ? fmt::format("{} µs", us) : std::string("not known"),
+                       name_of(StampMeaning::start_of_exposure));
+  }
+
+ private:
+  [[nodiscard]] Expected<std::shared_ptr<libcamera::Camera>> find_camera() {
+    if (manager_ == nullptr) {
+      auto manager = shared_manager();
+      if (!manager) return tl::make_unexpected(manager.error());
+      manager_ = std::move(*manager);
+    }
+    auto camera = options_.id.empty() ? find_by_device() : find_by_id();
+    if (camera && *camera == nullptr) {
+      std::vector<std::string> ids;
+      for (const auto& other : manager_->cameras()) ids.push_back(other->id());
+      return fail(ErrorKind::unavailable, "{}: libcamera has no such camera; it has: {}",
+                  options_.id.empty() ? options_.camera.device.text() : options_.id,
+                  ids.empty() ? std::string("none") : fmt::format("{}", fmt::join(ids, ", ")));
+    }
+    return camera;
+  }
+
+  /// Null when there is none.
+  [[nodiscard]] Expected<std::shared_ptr<libcamera::Camera>> find_by_id() {
+    if (!options_.camera.serial.empty()) {
+      return fail(ErrorKind::config,
+                  "{}: rig.yaml states a serial number, which can't be told of a camera by "
+                  "libcamera's name; use device = \"serial={}\"",
+                  name(), options_.camera.serial);
+    }
+    return manager_->get(options_.id);
+  }
+  [[nodiscard]] Expected<std::shared_ptr<libcamera::Camera>> find_by_device() {
+    const auto device = find_device(options_.camera.device, system_->devices());
+    if (!device) return tl::make_unexpected(device.error());
+    if (auto same = check_serial(*device, options_.camera); !same) {
+      return tl::make_unexpected(same.error());
+    }
+    struct stat node {};
+    if (::stat(device->node.c_str(), &node) != 0) return nullptr;
+    return manager_->get(node.st_rdev);
+  }
+
+  [[nodiscard]] Status acquire() {
+    auto camera = find_camera();
+    if (!camera) return tl::make_unexpected(camera.error());
+    const int failed = (*camera)->acquire();
+    if (failed == -EBUSY) {
+      return fail(ErrorKind::unavailable,
+                  "{}: another program uses it; `sudo fuser -v /dev/media* /dev/video*` names it",
+                  (*camera)->id());
+    }
+    if (failed < 0) {
+      return fail(failed == -EACCES ? ErrorKind::permission : ErrorKind::unavailable,
+                  "{}: can't be acquired: {}; is the user in group video?", (*camera)->id(),
+                  reason(failed));
+    }
+    camera_ = std::move(*camera);
+    return {};
+  }
+
+  [[nodiscard]] Status configure() {
+    auto settings = stream_settings(*camera_, options_.camera.request);
+    if (!settings) return tl::make_unexpected(settings.error());
+    configuration_ = std::move(settings->configuration);
+    layout_ = settings->layout;
+    return done("can't be configured", camera_->configure(configuration_.get()));
+  }
+
+  [[nodiscard]] Status allocate() {
+    libcamera::Stream* const stream = configuration_->at(0).stream();
+    allocator_ = std::make_unique<libcamera::FrameBufferAllocator>(camera_);
+    if (auto given = done("can't get buffers", allocator_->allocate(stream)); !given) return given;
+    const auto& buffers = allocator_->buffers(stream);
+    if (buffers.size() < FrameMaker::kFewestBuffers || buffers.size() > BufferLender::kMaxBuffers) {
+      return fail(ErrorKind::unavailable, "{}: gives {} buffers; {} to {} will do", camera_->id(),
+                  buffers.size(), FrameMaker::kFewestBuffers, BufferLender::kMaxBuffers);
+    }
+    memory_ = std::make_shared<Memory>();
+    for (std::size_t i = 0; i < buffers.size(); ++i) {
+      memory_->push_back(map_first_plane(*buffers[i]));
+      auto request = camera_->createRequest(i);
+      if (memory_->back() == nullptr || request == nullptr ||
+          request->addBuffer(stream, buffers[i].get()) < 0) {
+        return fail(ErrorKind::unavailable, "{}: a buffer can't be used", camera_->id());
+      }
+      requests_.push_back(std::move(request));
+    }
+    return {};
+  }
+
+  [[nodiscard]] Status stream() {
+    auto controls = start_controls(*camera_, options_.camera);
+    if (!controls) return tl::make_unexpected(controls.error());
+    exposure_ = from_us(options_.camera.controls.exposure_us.value_or(0));
+    camera_->requestCompleted.connect(this, [this](libcamera::Request* r) { queue_.complete(r); });
+    camera_->disconnected.connect(this, [this] { queue_.disconnect(); });
+    if (auto started = done("can't stream", camera_->start(&*controls)); !started) return started;
+    streams_ = true;
+    frames_.begin(layout_, memory_, requests_.size());
+    stall_.begin(system_->now(), options_.camera.request.fps);
+    for (auto& request : requests_) {
+      if (auto given = queue(*request); !given) return given;
+    }
+    return {};
+  }
+
+  [[nodiscard]] Expected<std::optional<Frame>> next_of_stream(Stamp deadline) {
+    for (;;) {
+      for (const std::uint32_t index : frames_.take_returned()) {
+        if (auto given = recycle(*requests_[index]); !given) {
+          return tl::make_unexpected(given.error());
+        }
+      }
+      libcamera::Request* const request = queue_.take(deadline);
+      if (queue_.disconnected()) {
+        return fail(ErrorKind::unavailable, "{}: the device is gone; plug it in again",
+                    camera_->id());
+      }
+      if (request != nullptr) {
+        auto frame = frame_of(*request);
+        if (!frame || *frame) return frame;
+      }
+      if (stall_.stalled(system_->now())) {
+        return fail(ErrorKind::io, "{}: no whole frame for {:.1f} s; starting it again",
+                    camera_->id(), std::chrono::duration<double>(stall_.patience()).count());
+      }
+      if (request == nullptr) return std::nullopt;
+    }
+  }
+
+  /// nullopt when the frame can't be used: counted, and its request queued again.
+  [[nodiscard]] Expected<std::optional<Frame>> frame_of(libcamera::Request& request) {
+    const libcamera::FrameBuffer& buffer = *request.buffers().begin()->second;
+    const libcamera::FrameMetadata& about = buffer.metadata();
+    if (request.status() == libcamera::Request::RequestCancelled ||
+        about.status == libcamera::FrameMetadata::FrameCancelled) {
+      return fail(ErrorKind::io, "{}: libcamera cancelled a request; starting it again",
+                  camera_->id());
+    }
+    const auto index = static_cast<std::uint32_t>(request.cookie());
+    const FrameInfo info = info_of(request, about);
+    FrameMaker::Made made;
+    if (about.status == libcamera::FrameMetadata::FrameError || about.planes().empty()) {
+      frames_.discard();
+    } else {
+      const std::size_t filled =
+          std::min<std::size_t>(about.planes()[0].bytesused, buffer.planes()[0].length);
+      made = frames_.make(index, {(*memory_)[index].get(), filled}, info);
+    }
+    if (made.frame) stall_.frame(info.arrival);
+    if (made.buffer_is_free) {
+      if (auto given = recycle(request); !given) return tl::make_unexpected(given.error());
+    }
+    return std::move(made.frame);
+  }
+
+  [[nodiscard]] FrameInfo info_of(libcamera::Request& request,
+                                  const libcamera::FrameMetadata& about) {
+    const auto sensor = request.metadata().get(libcamera::controls::SensorTimestamp);
+    const auto exposure_us = request.metadata().get(libcamera::controls::ExposureTime);
+    if (exposure_us) exposure_ = from_us(*exposure_us);
+    const Stamp now = system_->now();
+    const Stamp stamp = to_monotonic(
+        Stamp(sensor ? *sensor : static_cast<std::int64_t>(about.timestamp)), now, boottime_now());
+    const MidExposure mid =
+        mid_exposure(StampMeaning::start_of_exposure, stamp, {exposure_, options_.camera.readout});
+    FrameInfo info;
+    info.stamp = mid.stamp;
+    info.quality = mid.quality;
+    info.arrival = now;
+    info.sequence = frames_.count(about.sequence);
+    info.exposure = exposure_;
+    return info;
+  }
+
+  [[nodiscard]] Status recycle(libcamera::Request& request) {
+    request.reuse(libcamera::Request::ReuseBuffers);
+    return queue(request);
+  }
+  [[nodiscard]] Status queue(libcamera::Request& request) {
+    return done("takes no request", camera_->queueRequest(&request));
+  }
+  /// The error of one of libcamera's calls, which return a negative errno.
+  [[nodiscard]] Status done(std::string_view what, int result) const {
+    if (result >= 0) return {};
+    return fail(result == -ENODEV ? ErrorKind::unavailable : ErrorKind::io, "{}: {}: {}",
+                camera_->id(), what, reason(result));
+  }
+  static Stamp from_us(double us) { return Stamp(static_cast<Stamp::rep>(std::llround(us * 1e3))); }
+
+  using Memory = std::vector<std::shared_ptr<const std::uint8_t>>;
+
+  std::shared_ptr<VideoSystem> system_;
+  LibcameraOptions options_;
+  RequestQueue queue_;
+  FrameMaker frames_;
+  StallWatch stall_;
+  std::shared_ptr<libcamera::CameraManager> manager_;  ///< outlives its cameras
+  std::shared_ptr<libcamera::Camera> camera_;
+  std::unique_ptr<libcamera::CameraConfiguration> configuration_;
+  FrameLayout layout_;
+  std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
+  std::shared_ptr<Memory> memory_;  ///< per buffer its first plane
+  std::vector<std::unique_ptr<libcamera::Request>> requests_;
+  Stamp exposure_{0};  ///< 0: not known
+  bool streams_ = false;
+};
+
+}  // namespace
+}  // namespace waymark
+
+void waymark_make_libcamera_source(std::shared_ptr<waymark::VideoSystem> system,
+                                   const waymark::LibcameraOptions& options,
+                                   std::unique_ptr<waymark::FrameSource>& result) {
+  result = std::make_unique<waymark::LibcameraSource>(std::move(system), options);
+}

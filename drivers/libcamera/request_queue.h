@@ -1,0 +1,64 @@
+#pragma once
+
+#include <libcamera/request.h>
+
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+
+#include "core/geometry/stamp.h"
+#include "drivers/monotonic_clock.h"
+
+namespace waymark {
+
+/// Requests that libcamera's thread has completed and the camera's own thread has not yet taken.
+class RequestQueue {
+ public:
+  /// A stream begins.
+  void begin() {
+    const std::lock_guard lock(mutex_);
+    completed_.clear();
+    stopped_ = disconnected_ = false;
+  }
+  /// From libcamera's thread.
+  void complete(libcamera::Request* request) {
+    const std::lock_guard lock(mutex_);
+    completed_.push_back(request);
+    changed_.notify_all();
+  }
+  void disconnect() {
+    const std::lock_guard lock(mutex_);
+    disconnected_ = true;
+    changed_.notify_all();
+  }
+  /// From any thread: ends a waiting take.
+  void stop() {
+    const std::lock_guard lock(mutex_);
+    stopped_ = true;
+    changed_.notify_all();
+  }
+
+  /// The oldest; null at the deadline, after stop and when the camera is gone.
+  [[nodiscard]] libcamera::Request* take(Stamp deadline) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_until(lock, as_time_point(deadline),
+                        [&] { return stopped_ || disconnected_ || !completed_.empty(); });
+    if (disconnected_ || completed_.empty()) return nullptr;
+    libcamera::Request* const oldest = completed_.front();
+    completed_.pop_front();
+    return oldest;
+  }
+  [[nodiscard]] bool disconnected() const {
+    const std::lock_guard lock(mutex_);
+    return disconnected_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<libcamera::Request*> completed_;
+  bool stopped_ = false;
+  bool disconnected_ = false;
+};
+
+}  // namespace waymark
