@@ -1,0 +1,89 @@
+// Whether a recording of emulated cameras holds exactly what they showed: every image equals, pixel
+// by pixel, one of the capture that the cameras were given, and all images of a frame set are of
+// one instant of it. Usage: compare_recording RECORDING CAPTURE. Prints counts; exit code 1 when
+// something differs.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <set>
+
+#include "core/capture/capture_folder.h"
+#include "core/capture/image_file.h"
+
+namespace {
+
+using namespace waymark;
+
+/// Pixels → how many images of that camera come before it. Read once: what is looked up is large.
+using Shown = std::vector<std::map<std::vector<std::uint8_t>, int>>;
+
+Expected<Shown> images_shown(const CaptureFolder& capture) {
+  Shown shown(capture.rig.cameras.size());
+  std::vector<int> count(shown.size(), 0);
+  for (const ImageFile& file : capture.images) {
+    auto loaded = read_gray_image(file.path);
+    if (!loaded) return tl::make_unexpected(loaded.error());
+    const auto camera = static_cast<std::size_t>(file.camera);
+    shown[camera].emplace(std::move(loaded->image.pixels), count[camera]++);
+  }
+  return shown;
+}
+
+struct Findings {
+  std::size_t images = 0, sets = 0, full_sets = 0;
+  std::size_t foreign = 0;  ///< images that no camera showed
+  std::size_t mixed = 0;    ///< sets of more than one instant
+};
+
+Expected<Findings> compare(const CaptureFolder& recording, const Shown& shown, Stamp tolerance) {
+  std::vector<StampedImage> stamped;
+  for (const ImageFile& file : recording.images) stamped.push_back({file.camera, file.stamp});
+  Findings findings;
+  findings.images = stamped.size();
+  for (const FrameSet& set : group_into_frame_sets(stamped, tolerance)) {
+    std::set<int> instants;
+    for (const std::size_t i : set.images) {
+      auto loaded = read_gray_image(recording.images[i].path);
+      if (!loaded) return tl::make_unexpected(loaded.error());
+      const auto& known = shown[static_cast<std::size_t>(recording.images[i].camera)];
+      const auto found = known.find(loaded->image.pixels);
+      if (found == known.end()) {
+        ++findings.foreign;
+      } else {
+        instants.insert(found->second);
+      }
+    }
+    ++findings.sets;
+    if (set.images.size() == recording.rig.cameras.size()) ++findings.full_sets;
+    if (instants.size() > 1) ++findings.mixed;
+  }
+  return findings;
+}
+
+Expected<Findings> run(char** argv) {
+  const auto recording = open_capture_folder(argv[1]);
+  if (!recording) return tl::make_unexpected(recording.error());
+  const auto capture = open_capture_folder(argv[2]);
+  if (!capture) return tl::make_unexpected(capture.error());
+  const auto shown = images_shown(*capture);
+  if (!shown) return tl::make_unexpected(shown.error());
+  return compare(*recording, *shown, recording->sync_tolerance);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 3) return 64;
+  const auto findings = run(argv);
+  if (!findings) {
+    fmt::print(stderr, "compare_recording: {}\n", findings.error().message);
+    return findings.error().exit_code();
+  }
+  fmt::print(
+      "{} images in {} sets, {} of all cameras; {} images that no camera showed, {} sets of "
+      "several instants\n",
+      findings->images, findings->sets, findings->full_sets, findings->foreign, findings->mixed);
+  return findings->images > 0 && findings->foreign == 0 && findings->mixed == 0 ? 0 : 1;
+}

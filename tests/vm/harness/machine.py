@@ -1,0 +1,89 @@
+"""The virtual machine as a process: one QEMU with software emulation, which outlives the test that starts it.
+
+Everything of a run lies in one folder, the run folder: sockets, the console's log, the disk of recordings,
+the folder that is shared with the guest.
+"""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+
+CAMERAS = 3
+# Whatever happens to the tests, no machine runs longer than this.
+LIFETIME_S = 1200
+# The disk of recordings: small enough to be filled, large enough for a recording of a minute.
+RECORDINGS_MB = 160
+
+KERNEL_ARGUMENTS = [
+    "console=ttyS0", "quiet", "loglevel=4", "systemd.show_status=0", "mitigations=off", "nokaslr",
+    "tsc=reliable", "no_timer_check", "audit=0", "apparmor=0", "cryptomgr.notests", "random.trust_cpu=on",
+    "net.ifnames=0",
+]
+
+
+class Machine:
+    def __init__(self, run):
+        self.run = pathlib.Path(run)
+        self.pid_file = self.run / "qemu.pid"
+        self.console = self.run / "console.log"
+        self.share = self.run / "share"
+        self.recordings = self.run / "recordings.ext4"
+
+    def start(self, image):
+        """Starts it and returns at once; sockets are named relative to the run folder, for their length is
+        limited to 107 bytes."""
+        self.share.mkdir(parents=True, exist_ok=True)
+        subprocess.run(["mke2fs", "-q", "-t", "ext4", "-F", self.recordings, f"{RECORDINGS_MB}M"], check=True)
+        with open(self.console, "wb") as console:
+            process = subprocess.Popen(
+                ["timeout", "--kill-after=5", str(LIFETIME_S), *self._command(pathlib.Path(image))],
+                cwd=self.run, stdin=subprocess.DEVNULL, stdout=console, stderr=console,
+                start_new_session=True)
+        self.pid_file.write_text(str(process.pid), encoding="utf-8")
+
+    def _command(self, image):
+        command = [
+            "qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi,tb-size=512", "-cpu", "max",
+            "-smp", "2", "-m", "2048", "-nodefaults", "-no-user-config", "-display", "none",
+            "-serial", "stdio", "-no-reboot", "-nic", "none",
+            "-kernel", image / "vmlinux", "-initrd", image / "initrd.img",
+            "-append", " ".join(KERNEL_ARGUMENTS),
+            # The root is thrown away after each run; the recordings' disk is looked at from outside.
+            "-drive", f"if=none,id=root,file={image / 'root.ext4'},format=raw,snapshot=on,cache=unsafe",
+            "-device", "virtio-blk-pci,drive=root",
+            "-drive", "if=none,id=recordings,file=recordings.ext4,format=raw,cache=writeback",
+            "-device", "virtio-blk-pci,drive=recordings",
+            "-virtfs", "local,path=share,mount_tag=share,security_model=none,multidevs=remap",
+            "-device", "virtio-rng-pci",
+            "-device", "virtio-serial-pci",
+            "-chardev", "socket,id=agent,path=agent.sock,server=on,wait=off",
+            "-device", "virtserialport,chardev=agent,name=waymark.agent",
+            "-device", "qemu-xhci,id=usb",
+        ]
+        for i in range(CAMERAS):
+            command += ["-chardev", f"socket,id=camera{i},path=camera{i}.sock,reconnect=1",
+                        "-device", f"usb-redir,chardev=camera{i},bus=usb.0,port={i + 1}"]
+        return command
+
+    def is_running(self):
+        try:
+            os.kill(int(self.pid_file.read_text(encoding="utf-8")), 0)
+            return True
+        except (OSError, ValueError):
+            return False
+
+    def kill(self):
+        """As if the power were cut: what the guest has not written to its disks is lost."""
+        try:
+            os.killpg(int(self.pid_file.read_text(encoding="utf-8")), signal.SIGKILL)
+        except (OSError, ValueError):
+            pass
+        self.pid_file.unlink(missing_ok=True)
+
+    def last_words(self):
+        """The end of the console's log, for a message."""
+        if not self.console.exists():
+            return "(no console log)"
+        return "\n".join(self.console.read_text(encoding="utf-8", errors="replace").splitlines()[-20:])
