@@ -8,9 +8,8 @@ import os
 import pathlib
 import signal
 import subprocess
-import sys
 
-CAMERAS = 3
+CAMERA_PORTS = 3
 # Whatever happens to the tests, no machine runs longer than this.
 LIFETIME_S = 1200
 # The disk of recordings: small enough to be filled, large enough for a recording of a minute.
@@ -31,27 +30,29 @@ class Machine:
         self.share = self.run / "share"
         self.recordings = self.run / "recordings.ext4"
 
-    def start(self, image):
+    def start(self, kernel, initrd, root):
         """Starts it and returns at once; sockets are named relative to the run folder, for their length is
         limited to 107 bytes."""
         self.share.mkdir(parents=True, exist_ok=True)
-        subprocess.run(["mke2fs", "-q", "-t", "ext4", "-F", self.recordings, f"{RECORDINGS_MB}M"], check=True)
+        subprocess.run(["mke2fs", "-q", "-t", "ext4", "-F", self.recordings, f"{RECORDINGS_MB}M"],
+                       check=True)
         with open(self.console, "wb") as console:
             process = subprocess.Popen(
-                ["timeout", "--kill-after=5", str(LIFETIME_S), *self._command(pathlib.Path(image))],
+                ["timeout", "--kill-after=5", str(LIFETIME_S), *self._command(kernel, initrd, root)],
                 cwd=self.run, stdin=subprocess.DEVNULL, stdout=console, stderr=console,
                 start_new_session=True)
         self.pid_file.write_text(str(process.pid), encoding="utf-8")
 
-    def _command(self, image):
+    @staticmethod
+    def _command(kernel, initrd, root):
         command = [
             "qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi,tb-size=512", "-cpu", "max",
             "-smp", "2", "-m", "2048", "-nodefaults", "-no-user-config", "-display", "none",
             "-serial", "stdio", "-no-reboot", "-nic", "none",
-            "-kernel", image / "vmlinux", "-initrd", image / "initrd.img",
+            "-kernel", kernel, "-initrd", initrd,
             "-append", " ".join(KERNEL_ARGUMENTS),
             # The root is thrown away after each run; the recordings' disk is looked at from outside.
-            "-drive", f"if=none,id=root,file={image / 'root.ext4'},format=raw,snapshot=on,cache=unsafe",
+            "-drive", f"if=none,id=root,file={root},format=raw,snapshot=on,cache=unsafe",
             "-device", "virtio-blk-pci,drive=root",
             "-drive", "if=none,id=recordings,file=recordings.ext4,format=raw,cache=writeback",
             "-device", "virtio-blk-pci,drive=recordings",
@@ -62,7 +63,7 @@ class Machine:
             "-device", "virtserialport,chardev=agent,name=waymark.agent",
             "-device", "qemu-xhci,id=usb",
         ]
-        for i in range(CAMERAS):
+        for i in range(CAMERA_PORTS):
             command += ["-chardev", f"socket,id=camera{i},path=camera{i}.sock,reconnect=1",
                         "-device", f"usb-redir,chardev=camera{i},bus=usb.0,port={i + 1}"]
         return command

@@ -1,0 +1,51 @@
+"""What the guest's listener heard on LCM: JSON lines in the shared folder."""
+
+import json
+import pathlib
+import time
+
+# pose_t.status and reasons, camera_status_t.state (proto/).
+OK, DEGRADED, AMBIGUOUS, LOST = range(4)
+NO_FRAMES, CAMERA_MISSING = 1, 256
+WAITING, STREAMING, STALLED, CAMERA_LOST = range(4)
+
+
+class NotHeard(Exception):
+    pass
+
+
+class Hearing:
+    """Messages from now on; each look at them starts where `mark` was last called."""
+
+    def __init__(self, share):
+        self.file = pathlib.Path(share) / "heard.jsonl"
+        self.begin = 0
+        self.mark()
+
+    def mark(self):
+        """Forgets what was heard so far."""
+        self.begin = self.file.stat().st_size if self.file.exists() else 0
+
+    def since_mark(self, kind=None):
+        """Messages of a kind (POSE, STATUS, ALERT), oldest first."""
+        if not self.file.exists():
+            return []
+        with open(self.file, "rb") as file:
+            file.seek(self.begin)
+            # A line under way has no end yet.
+            text = file.read().rpartition(b"\n")[0]
+        messages = [json.loads(line) for line in text.splitlines()]
+        return [m for m in messages if kind is None or m["channel"] == f"WAYMARK_{kind}"]
+
+    def wait_for(self, what, kind, fits, timeout_s=60, count=1):
+        """The first `count` messages since the mark that fit; NotHeard, with the last of the kind, when time is up."""
+        deadline = time.monotonic() + timeout_s
+        while True:
+            messages = self.since_mark(kind)
+            found = [m for m in messages if fits(m)]
+            if len(found) >= count:
+                return found[0] if count == 1 else found[:count]
+            if time.monotonic() > deadline:
+                last = json.dumps(messages[-1]) if messages else "none at all"
+                raise NotHeard(f"no {what} within {timeout_s} s; {len(messages)} {kind} messages, the last: {last}")
+            time.sleep(0.1)

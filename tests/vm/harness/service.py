@@ -1,0 +1,85 @@
+"""locd in the guest, as systemd runs it."""
+
+import pathlib
+import shutil
+import time
+
+CONFIG = """[map]
+path = "{map}"
+[rig]
+camchain = "rig.yaml"
+{cameras}
+[sync]
+tolerance_us = 450000
+deadline_ms = 900
+[solve]
+time_budget_ms = 20000
+v_max_mps = 100
+w_max_dps = 10000
+[lcm]
+url = "{url}"
+[record]
+dir = "/var/lib/locd/recordings"
+min_free_bytes = {min_free_bytes}
+markers = "markers.toml"
+[service]
+startup_wait_s = {startup_wait_s}
+"""
+CAMERA = """[[camera]]
+name = "cam{number}"
+driver = "{driver}"
+device = "{device}"
+fps = 1
+exposure_us = 3000
+gain = 40
+"""
+URL = "udpm://239.255.76.67:7667?ttl=0"
+
+
+class Locd:
+    def __init__(self, guest, share, inputs):
+        self.guest = guest
+        self.share = pathlib.Path(share)
+        self.inputs = pathlib.Path(inputs)
+
+    def configure(self, driver="v4l2", device="serial=WM-{number}", map_file="room.map", min_free_bytes=0,
+                  startup_wait_s=60):
+        """Writes /etc/locd; takes effect with the next restart or reload."""
+        etc = self.share / "etc"
+        etc.mkdir(exist_ok=True)
+        for source in ("room.map", "other.map", "capture/rig.yaml", "capture/markers.toml"):
+            shutil.copy(self.inputs / source, etc)
+        cameras = "".join(CAMERA.format(number=i, driver=driver, device=device.format(number=i)) for i in range(3))
+        (etc / "locd.toml").write_text(
+            CONFIG.format(map=map_file, cameras=cameras, url=URL, min_free_bytes=min_free_bytes,
+                          startup_wait_s=startup_wait_s), encoding="utf-8")
+        self.guest.check("cp /share/etc/* /etc/locd/ && chmod 644 /etc/locd/*")
+
+    def start(self):
+        """Starts it anew, whatever was."""
+        self.guest.check("systemctl reset-failed locd; systemctl restart locd", timeout_s=120)
+
+    def stop(self):
+        self.guest.check("systemctl stop locd", timeout_s=30)
+
+    def show(self, field):
+        """A property of the unit, as systemctl show prints it."""
+        return self.guest.check(f"systemctl show --value --property={field} locd")
+
+    def pid(self):
+        return int(self.show("MainPID"))
+
+    def journal(self):
+        """The end of the service's log, for a message."""
+        return self.guest.run("journalctl --quiet --no-pager -o cat -n 25 -u locd")[1]
+
+    def request(self, line):
+        """Answer to a line on the control socket, as somebody of group locd."""
+        return self.guest.check(f"echo {line} | setpriv --reuid nobody --regid locd --clear-groups nc -U -N -w 5 /run/locd/control")
+
+    def wait_until(self, field, value, timeout_s=60):
+        deadline = time.monotonic() + timeout_s
+        while self.show(field) != value:
+            if time.monotonic() > deadline:
+                raise AssertionError(f"{field} is {self.show(field)}, not {value}, after {timeout_s} s\n{self.journal()}")
+            time.sleep(0.3)

@@ -1,0 +1,100 @@
+"""All that a scenario works with, and the state that every one begins with."""
+
+import json
+import math
+import pathlib
+import subprocess
+import time
+
+import hearing as heard
+from cameras import COUNT, Camera
+from guest import Guest
+from hearing import Hearing
+from machine import Machine
+from service import URL, Locd
+
+
+def read_tum(path):
+    """Lines of a TUM file: (stamp as text, position, quaternion x y z w)."""
+    rows = [line.split() for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines()
+            if line and not line.startswith("#")]
+    return [(row[0], [float(v) for v in row[1:4]], [float(v) for v in row[4:8]]) for row in rows]
+
+
+def pose_distance(a, b):
+    """(m, deg) between two poses (position, quaternion x y z w)."""
+    metres = math.dist(a[0], b[0])
+    cosine = min(1.0, abs(sum(p * q for p, q in zip(a[1], b[1]))))
+    return metres, math.degrees(2 * math.acos(cosine))
+
+
+class World:
+    def __init__(self, paths):
+        self.paths = paths
+        self.run = pathlib.Path(paths["run"])
+        self.machine = Machine(self.run)
+        self.share = self.machine.share
+        self.guest = Guest(self.run)
+        self.cameras = [Camera(self.run, paths, i) for i in range(COUNT)]
+        self.hearing = Hearing(self.share)
+        self.locd = Locd(self.guest, self.share, paths["inputs"])
+        self.capture = pathlib.Path(paths["inputs"]) / "capture"
+
+    # What scenarios begin with.
+
+    def plug_all(self):
+        for port, camera in enumerate(self.cameras):
+            if not camera.is_plugged():
+                camera.plug(port)
+            else:
+                camera.order("go")
+
+    def localize(self):
+        """Three cameras, the usual configuration, poses of all three."""
+        self.plug_all()
+        if self.locd.show("ActiveState") != "active":
+            self.locd.configure()
+            self.locd.start()
+        return self.wait_for_full_pose()
+
+    def listen(self):
+        """A listener in the guest, unless one runs, and a way for multicast as a vehicle without a network has."""
+        self.guest.check("ip link show dummy0 || { modprobe dummy numdummies=0; ip link add dummy0 type dummy; "
+                         "ip address add 192.168.77.1/24 dev dummy0; ip link set dummy0 up; "
+                         "ip route add default via 192.168.77.2 dev dummy0; }")
+        self.guest.check("systemctl is-active --quiet listener || "
+                         f"systemd-run --quiet --unit=listener /share/bin/vm_listener '{URL}' /share/heard.jsonl")
+
+    # What they wait for and look at.
+
+    def wait_for_full_pose(self, timeout_s=90, count=1):
+        """A pose that all cameras carry, heard from now on."""
+        self.hearing.mark()
+        return self.hearing.wait_for(
+            "pose of all cameras", "POSE",
+            lambda m: m["status"] in (heard.OK, heard.DEGRADED) and m["cameras_used"] == COUNT, timeout_s, count)
+
+    def distance_to_expected(self, message):
+        """(m, deg) from a message's pose to the nearest of those that the capture's images give."""
+        w, x, y, z = message["quaternion"]
+        pose = (message["position"], [x, y, z, w])
+        expected = read_tum(pathlib.Path(self.paths["inputs"]) / "expected.tum")
+        return min(pose_distance(pose, row[1:]) for row in expected)
+
+    def native(self, program, *arguments):
+        """Runs one of our programs on this machine; (exit code, output)."""
+        done = subprocess.run([self.paths[program], *[str(a) for a in arguments]], check=False, text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        return done.returncode, done.stdout
+
+    def guest_clock_s(self):
+        """CLOCK_MONOTONIC of the guest: the clock of heard_s and of udev."""
+        return float(self.guest.check("cut -d' ' -f1 /proc/uptime"))
+
+    @staticmethod
+    def pause(seconds):
+        time.sleep(seconds)
+
+
+def load(paths_file):
+    return World(json.loads(pathlib.Path(paths_file).read_text(encoding="utf-8")))

@@ -1,0 +1,108 @@
+#!/usr/bin/env python3
+"""Starts the virtual machine, runs a scenario in it, ends it: what ctest calls.
+
+Usage: vm.py PATHS.json start | end | SCENARIO
+A scenario is a function of a module in scenarios/, named as its test.
+"""
+
+import pathlib
+import shutil
+import subprocess
+import sys
+import time
+import traceback
+
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE / "harness"), str(HERE / "scenarios")]
+
+# pylint: disable=wrong-import-position
+import capture_paths
+import devices
+import disks
+import package
+import poses
+import service_faults
+from inputs import make_inputs
+from world import load
+
+SCENARIOS = (package, poses, devices, service_faults, disks, capture_paths)
+BOOT_S = 240
+
+
+def make_package(paths, folder):
+    """The .deb as users get it, of the programs as they were built."""
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    subprocess.run([paths["cpack"], "-G", "DEB", "--config", paths["cpack_config"], "-B", folder],
+                   check=True, stdout=subprocess.DEVNULL)
+    return next(folder.glob("waymark-locd_*.deb"))
+
+
+def start(world):
+    began = time.monotonic()
+
+    def say(what):
+        print(f"{time.monotonic() - began:6.1f} s  {what}", flush=True)
+
+    end(world)
+    shutil.rmtree(world.run, ignore_errors=True)
+    world.run.mkdir(parents=True)
+    package_file = make_package(world.paths, world.run / "package")
+    say(f"packed {package_file.name}")
+    make_inputs(world.paths)
+    say("capture and maps made")
+    image = subprocess.run([HERE / "image/build", package_file], check=True, stdout=subprocess.PIPE, text=True)
+    say("image there")
+    world.machine.start(*image.stdout.split())
+    shutil.copy(package_file, world.share / "waymark-locd.deb")
+    (world.share / "bin").mkdir()
+    for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture_rate"):
+        shutil.copy(world.paths[tool], world.share / "bin")
+    while time.monotonic() - began < 3600:
+        try:
+            print(world.guest.check("systemctl is-system-running --wait; cut -d' ' -f1 /proc/uptime", BOOT_S))
+            break
+        except OSError:  # QEMU has not opened its sockets yet
+            if not world.machine.is_running():
+                raise
+            time.sleep(0.2)
+    say("guest up")
+
+
+def end(world):
+    for camera in world.cameras:
+        camera.unplug()
+    world.machine.kill()
+
+
+def scenario_named(name):
+    found = [getattr(module, name) for module in SCENARIOS if hasattr(module, name)]
+    if len(found) != 1:
+        sys.exit(f"there is no scenario {name}")
+    return found[0]
+
+
+def main():
+    world = load(sys.argv[1])
+    action = sys.argv[2]
+    if action == "end":
+        end(world)
+        return 0
+    try:
+        if action == "start":
+            start(world)
+        else:
+            scenario_named(action)(world)
+        return 0
+    except Exception:  # pylint: disable=broad-exception-caught  # whatever it is, the test fails and says it
+        traceback.print_exc()
+        print("\nThe guest's console ends with:\n" + world.machine.last_words())
+        try:
+            print("\nlocd's log ends with:\n" + world.locd.journal())
+        except Exception as unreachable:  # pylint: disable=broad-exception-caught
+            print(f"\nlocd's log: {unreachable}")
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
