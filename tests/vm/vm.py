@@ -56,7 +56,7 @@ def start(world):
     world.machine.start(*image.stdout.split())
     shutil.copy(package_file, world.share / "waymark-locd.deb")
     (world.share / "bin").mkdir()
-    for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture_rate"):
+    for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture"):
         shutil.copy(world.paths[tool], world.share / "bin")
     while time.monotonic() - began < 3600:
         try:

@@ -1,0 +1,45 @@
+"""Other ways from a camera to locd: libcamera, multi-planar and YUYV formats, v4l2loopback at full rate."""
+
+WIDTH, HEIGHT = 640, 480
+# FourCC, our name, whether the device speaks multi-planar, and how its first plane holds luma.
+FORMATS = (("YUYV", "YUYV", False, 2), ("YUYV", "YUYV", True, 2), ("NM12", "NV12M", True, 1))
+
+
+def other_formats(world):
+    """YUYV and NV12, single- and multi-planar, give the luma that v4l2-ctl gets of the same picture."""
+    guest = world.guest
+    guest.check("modprobe vivid n_devs=2 node_types=0x1,0x1 multiplanar=1,2 && udevadm settle", 60)
+    nodes = [guest.check(f"v4l2-ctl --list-devices | grep -A1 'platform:vivid-00{i}' | tail -1").strip() for i in (0, 1)]
+    for node in nodes:
+        # A picture that stands still.
+        guest.check(f"v4l2-ctl -d {node} --set-ctrl=osd_text_mode=2")
+    for fourcc, name, multiplanar, bytes_per_luma in FORMATS:
+        node = nodes[multiplanar]
+        plane = "-mplane" if multiplanar else ""
+        guest.check(f"v4l2-ctl -d {node} --set-fmt-video{plane}=width={WIDTH},height={HEIGHT},pixelformat={fourcc}"
+                    f" --stream-mmap --stream-count=1 --stream-to=/share/reference.raw", 60)
+        guest.check(f"/share/bin/vm_capture bus=platform:vivid-00{int(multiplanar)} --width {WIDTH} "
+                    f"--height {HEIGHT} --format {name} --frames 3 --save /share/captured.pgm", 60)
+        luma = (world.share / "reference.raw").read_bytes()[: WIDTH * HEIGHT * bytes_per_luma: bytes_per_luma]
+        captured = (world.share / "captured.pgm").read_bytes()[-WIDTH * HEIGHT:]
+        assert len(luma) == WIDTH * HEIGHT and len(set(luma)) > 4, "v4l2-ctl gave no picture"
+        differing = sum(a != b for a, b in zip(luma, captured))
+        assert differing == 0, f"{name}, multiplanar {multiplanar}: {differing} pixels differ"
+    guest.check("rmmod vivid")
+
+
+def thirty_frames_a_second(world):
+    """Three devices at 30 frames a second: the driver alone loses none."""
+    guest = world.guest
+    guest.check("systemctl stop locd; modprobe v4l2loopback devices=3 video_nr=40,41,42 exclusive_caps=0,0,0 "
+                "max_buffers=8 card_label=wm0,wm1,wm2 && udevadm settle", 60)
+    nodes = "/dev/video40 /dev/video41 /dev/video42"
+    guest.check(f"systemd-run --quiet --unit=feed /share/bin/vm_feed {WIDTH} {HEIGHT} 30 20 {nodes}")
+    links = " ".join(f"bus=platform:v4l2loopback-{i:03}" for i in (40, 41, 42))
+    text = guest.check(f"/share/bin/vm_capture {links} --width {WIDTH} --height {HEIGHT} --numbered --frames 300", 90)
+    print(text)
+    for line in text.splitlines():
+        seconds = float(line.split(" in ")[1].split(" s")[0])
+        assert 9.5 < seconds < 10.6, f"not 30 frames a second: {line}"
+    guest.run("systemctl stop feed")
+    guest.check("rmmod v4l2loopback")

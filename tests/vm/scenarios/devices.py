@@ -1,0 +1,145 @@
+"""What happens to cameras: unplugged, plugged in again, elsewhere, hanging, sending rubbish."""
+
+import re
+import time
+
+import hearing as heard
+from cameras import COUNT
+
+# FAULTS: back within so many seconds of the udev event.
+BACK_S = 5.0
+
+
+def state_of(message, camera):
+    return next(c for c in message["cameras"] if c["name"] == camera)
+
+
+def udev_saw_s(world, serial):
+    """When udev saw the camera's node come, on the guest's monotonic clock; None before it did."""
+    code, text = world.guest.run(f"udevadm info -q property /dev/v4l/by-id/*_{serial}-video-index0")
+    found = re.search(r"^USEC_INITIALIZED=(\d+)$", text, re.M)
+    return int(found[1]) / 1e6 if code == 0 and found else None
+
+
+def wait_for_udev(world, serial, timeout_s=60):
+    deadline = time.monotonic() + timeout_s
+    while (seen := udev_saw_s(world, serial)) is None:
+        assert time.monotonic() < deadline, f"udev did not see {serial} within {timeout_s} s"
+        time.sleep(0.3)
+    return seen
+
+
+def unplug_and_replug(world):
+    """One camera goes: poses of the others, DEGRADED, its name; it is back within 5 s of the udev event."""
+    world.localize()
+    session = world.wait_for_full_pose()["session"]
+    world.hearing.mark()
+    world.cameras[1].unplug()
+    pose = world.hearing.wait_for(
+        "pose of two cameras", "POSE",
+        lambda m: m["cameras_used"] == COUNT - 1 and m["reasons"] & heard.CAMERA_MISSING)
+    assert pose["status"] == heard.DEGRADED, pose
+    world.hearing.wait_for("alert that names the camera", "ALERT",
+                           lambda m: m["raised"] and m["kind"] == "MISSING" and m["subject"] == "cam1")
+    world.hearing.wait_for("status that says so", "STATUS",
+                           lambda m: state_of(m, "cam1")["state"] == heard.CAMERA_LOST and "cam1" in m["text"])
+    world.hearing.mark()
+    world.cameras[1].plug(1)
+    came_s = wait_for_udev(world, "WM-1")
+    pose = world.hearing.wait_for("pose of all three", "POSE",
+                                  lambda m: m["cameras_used"] == COUNT and m["heard_s"] > came_s)
+    took_s = pose["heard_s"] - came_s
+    print(f"back {took_s:.1f} s after udev's event")
+    assert took_s <= BACK_S, f"{took_s} s"
+    assert pose["session"] == session, "it was restarted"
+    world.hearing.wait_for("end of the alert", "ALERT", lambda m: not m["raised"] and m["kind"] == "MISSING")
+    status = world.cameras[1].order("status")
+    assert '"exposure_100us":30' in status and '"gain":40' in status, f"not set again: {status}"
+
+
+def all_unplugged_and_replugged_elsewhere(world):
+    """Without a camera LOST goes on twice a second; plugged into other ports the cameras are who they were."""
+    world.localize()
+    session = world.wait_for_full_pose()["session"]
+    for camera in world.cameras:
+        camera.unplug()
+    world.hearing.mark()
+    world.hearing.wait_for("LOST without frames", "POSE",
+                           lambda m: m["status"] == heard.LOST and m["reasons"] & heard.NO_FRAMES)
+    world.hearing.mark()
+    lost = world.hearing.wait_for("LOST messages", "POSE", lambda m: m["status"] == heard.LOST, count=10)
+    gaps = [b["heard_s"] - a["heard_s"] for a, b in zip(lost, lost[1:])]
+    assert sorted(gaps)[len(gaps) // 2] <= 0.5, f"gaps {gaps}"
+    assert all(v is None for m in lost for v in m["position"]), "a pose in LOST"
+    # 0, 1, 2 into ports 2, 0, 1, so that every number changes.
+    for number in (1, 2, 0):
+        world.cameras[number].plug((number + 2) % COUNT)
+        wait_for_udev(world, f"WM-{number}")
+    for message in world.wait_for_full_pose(count=3):
+        metres, degrees = world.distance_to_expected(message)
+        assert metres < 0.01 and degrees < 0.3, f"{metres} m, {degrees} deg off: {message}"
+        assert message["session"] == session, "it was restarted"
+    for number in range(COUNT):
+        world.cameras[number].plug(number)
+    for number in range(COUNT):
+        wait_for_udev(world, f"WM-{number}")
+    world.wait_for_full_pose()
+
+
+def hanging_camera(world):
+    """A camera without frames is named and started again, and again, until it delivers."""
+    world.localize()
+    world.hearing.mark()
+    world.cameras[2].order("stall")
+    world.hearing.wait_for("alert that names the camera", "ALERT",
+                           lambda m: m["raised"] and m["kind"] == "MISSING" and m["subject"] == "cam2")
+    first = world.hearing.since_mark("STATUS")[0]
+    starts = state_of(first, "cam2")["starts"]
+    world.hearing.wait_for("restart of the stream", "STATUS", lambda m: state_of(m, "cam2")["starts"] > starts)
+    world.cameras[2].order("go")
+    world.wait_for_full_pose()
+
+
+def short_frames(world):
+    """Frames that end half-way are dropped and counted, those of the other cameras used."""
+    world.localize()
+    world.hearing.mark()
+    before = world.hearing.wait_for("status", "STATUS", lambda m: True)
+    dropped = state_of(before, "cam0")["dropped"]
+    world.cameras[0].order("short 4")
+    world.hearing.wait_for("drops", "STATUS", lambda m: state_of(m, "cam0")["dropped"] >= dropped + 2)
+    world.hearing.wait_for("poses of the others", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
+    world.wait_for_full_pose()
+
+
+def frozen_sensor(world):
+    """A camera that repeats its image is named FROZEN and left out."""
+    world.localize()
+    world.hearing.mark()
+    world.cameras[0].order("freeze")
+    world.hearing.wait_for("FROZEN", "ALERT",
+                           lambda m: m["raised"] and m["kind"] == "FROZEN" and m["subject"] == "cam0")
+    world.hearing.wait_for("poses without it", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
+    world.cameras[0].order("go")
+    world.hearing.wait_for("its end", "ALERT", lambda m: not m["raised"] and m["kind"] == "FROZEN")
+    world.wait_for_full_pose()
+
+
+def blocking_device(world):
+    """A device whose calls do not return holds up neither poses nor the end."""
+    world.localize()
+    world.cameras[1].order("stall")
+    world.cameras[1].order("mute")  # the restart that follows blocks in the kernel
+    world.hearing.mark()
+    world.hearing.wait_for("poses of the others", "POSE", lambda m: m["cameras_used"] == COUNT - 1, count=5)
+    took_ms = int(world.guest.check(
+        "begin=$(date +%s%N); pid=$(systemctl show --value -p MainPID locd); kill -TERM $pid; "
+        "while kill -0 $pid 2>/dev/null; do sleep 0.02; done; echo $((($(date +%s%N) - begin) / 1000000))", 60))
+    print(f"ended {took_ms} ms after SIGTERM")
+    world.cameras[1].plug(1)
+    assert took_ms <= 1000 * EMULATION_ALLOWANCE, f"SIGTERM took {took_ms} ms"
+    wait_for_udev(world, "WM-1")
+
+
+# The process's own second, in an emulated machine whose clock counts the emulation's work as well.
+EMULATION_ALLOWANCE = 2

@@ -1,0 +1,107 @@
+"""What happens to the service: reloads, kills, threads that are stuck, second instances, a disk it may not touch."""
+
+import shutil
+
+import hearing as heard
+
+
+def good_reload(world):
+    """Another map takes the old one's place without a restart."""
+    world.localize()
+    before = world.wait_for_full_pose()
+    world.locd.configure(map_file="other.map")
+    world.guest.check("systemctl reload locd")
+    after = world.hearing.wait_for("pose by the other map", "POSE",
+                                   lambda m: m["map_hash"] != before["map_hash"] and m["cameras_used"] == 3)
+    assert after["session"] == before["session"], "it was restarted"
+    world.locd.configure()
+    world.guest.check("systemctl reload locd")
+    world.hearing.mark()
+    world.hearing.wait_for("pose by the first map", "POSE", lambda m: m["map_hash"] == before["map_hash"])
+
+
+def refused_reload(world):
+    """A damaged map, an absent one, a key that needs a restart: refused whole, and said everywhere."""
+    world.localize()
+    before = world.wait_for_full_pose()
+    for damage, word in (("head -c 3000 /share/etc/room.map >/etc/locd/room.map", "room.map"),
+                         ("rm /etc/locd/room.map", "room.map"),
+                         ("sed -i 's/^tolerance_us.*/tolerance_us = 1000/' /etc/locd/locd.toml", "[sync]")):
+        world.guest.check(damage)
+        world.hearing.mark()
+        world.guest.run("systemctl reload locd")
+        alert = world.hearing.wait_for("alert", "ALERT", lambda m: m["raised"] and m["kind"] == "RELOAD")
+        assert word in alert["text"], alert
+        world.hearing.wait_for("status that says why", "STATUS", lambda m, w=word: w in m["reload_refused"])
+        assert word in world.guest.check("journalctl -q -u locd -o cat -n 30 | grep 'reload refused'")
+        pose = world.wait_for_full_pose()
+        assert pose["map_hash"] == before["map_hash"] and pose["session"] == before["session"], pose
+        assert world.locd.show("ActiveState") == "active"
+        world.locd.configure()
+    assert "refused" in world.locd.show("StatusText"), world.locd.show("StatusText")
+    world.guest.check("systemctl reload locd")
+    world.hearing.mark()
+    world.hearing.wait_for("that all is well", "STATUS", lambda m: m["reload_refused"] == "")
+
+
+def killed_while_recording(world):
+    """kill -9: started again by itself, and what was recorded is a capture."""
+    world.localize()
+    session = world.wait_for_full_pose()["session"]
+    folder = world.locd.request("start").removeprefix("ok ")
+    world.hearing.mark()
+    world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 3)
+    restarts = int(world.locd.show("NRestarts"))
+    world.guest.check("systemctl kill -s KILL locd")
+    world.hearing.mark()
+    world.hearing.wait_for("pose of another session", "POSE",
+                           lambda m: m["session"] != session and m["cameras_used"] == 3, timeout_s=90)
+    assert int(world.locd.show("NRestarts")) == restarts + 1
+    shutil.rmtree(world.share / "killed", ignore_errors=True)
+    world.guest.check(f"cp -r {folder} /share/killed")
+    code, text = world.native("compare_recording", world.share / "killed", world.capture)
+    assert code == 0, text
+    code, text = world.native("mapbuilder", "detect", world.share / "killed", "-o", world.run / "killed.csv")
+    assert code == 0 and "skipped" not in text, text
+
+
+def stuck_thread(world):
+    """The solving thread hangs: the watchdog ends the service, systemd starts it again."""
+    world.localize()
+    session = world.wait_for_full_pose()["session"]
+    pid = world.locd.pid()
+    thread = world.guest.check(f"for t in /proc/{pid}/task/*; do echo $(basename $t) $(cat $t/comm); done | "
+                               "awk '$2 ~ /solve|localiz/ { print $1 }'")
+    assert thread.isdigit(), world.guest.run(f"cat /proc/{pid}/task/*/comm")[1]
+    world.hearing.mark()
+    world.guest.check(f"systemd-run --quiet --unit=holder /share/bin/vm_hold_thread {thread}")
+    world.hearing.wait_for("pose of another session", "POSE",
+                           lambda m: m["session"] != session and m["cameras_used"] == 3, timeout_s=90)
+    world.guest.check("journalctl -q -u locd | grep -qi 'watchdog timeout'")
+
+
+def second_instance(world):
+    """Refused with 69, naming the first's process."""
+    world.localize()
+    pid = world.locd.pid()
+    code, text = world.guest.run("RUNTIME_DIRECTORY=/run/locd STATE_DIRECTORY=/var/lib/locd "
+                                 "setpriv --reuid locd --regid locd --init-groups locd --config /etc/locd/locd.toml")
+    assert code == 69 and f"pid {pid}" in text, f"exit code {code}: {text}"
+    assert world.locd.pid() == pid
+
+
+def writes_only_its_state(world):
+    """Within the unit's own view of the system nothing but its folders can be written, not even by root."""
+    world.localize()
+    pid = world.locd.pid()
+    inside = f"nsenter --target {pid} --mount --"
+    for folder in ("/", "/etc", "/etc/locd", "/usr", "/usr/bin", "/var", "/var/log", "/var/lib", "/root", "/home",
+                   "/boot", "/srv", "/opt", "/proc/sys/kernel"):
+        code, text = world.guest.run(f"{inside} touch {folder}/waymark-was-here")
+        assert code != 0, f"{folder} can be written: {text}"
+    for folder in ("/var/lib/locd", "/run/locd"):
+        world.guest.check(f"{inside} touch {folder}/waymark-was-here && rm {folder}/waymark-was-here")
+    owned = world.guest.check("find / -xdev -user locd -not -path '/proc/*' -not -path '/var/lib/locd*' -not "
+                              "-path '/run/locd*'")
+    assert owned == "", f"files elsewhere: {owned}"
+    assert heard.OK == 0
