@@ -13,6 +13,10 @@ install -m 755 "$here/guest/waymark-agent" "$overlay/usr/local/sbin/"
 install -m 644 "$here/guest/waymark-agent.service" "$units/"
 ln -s ../waymark-agent.service "$units/sysinit.target.wants/"
 
+# An emulated machine is 10 to 40 times slower than a vehicle's: what is stuck there must not move for longer.
+mkdir "$units/locd.service.d"
+printf '[Service]\nTimeoutStartSec=120s\nWatchdogSec=30s\n' >"$units/locd.service.d/emulation.conf"
+
 # What no test needs and every boot would wait for.
 for unit in apt-daily.timer apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer fstrim.timer \
             systemd-tmpfiles-clean.timer \
