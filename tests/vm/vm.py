@@ -26,7 +26,7 @@ from inputs import make_inputs
 from world import load
 
 SCENARIOS = (package, poses, devices, service_faults, disks, capture_paths)
-BOOT_S = 240
+BOOT_S = 120
 
 
 def make_package(paths, folder):

@@ -9,9 +9,11 @@ import pathlib
 import signal
 import subprocess
 
+from hearing import PATIENCE
+
 CAMERA_PORTS = 3
 # Whatever happens to the tests, no machine runs longer than this.
-LIFETIME_S = 1200
+LIFETIME_S = int(1200 * PATIENCE)
 # The disk of recordings: small enough to be filled, large enough for a recording of a minute.
 RECORDINGS_MB = 160
 

@@ -4,6 +4,8 @@ import pathlib
 import shutil
 import time
 
+from hearing import PATIENCE
+
 CONFIG = """[map]
 path = "{map}"
 [rig]
@@ -78,7 +80,7 @@ class Locd:
         return self.guest.check(f"echo {line} | setpriv --reuid nobody --regid locd --clear-groups nc -U -N -w 5 /run/locd/control")
 
     def wait_until(self, field, value, timeout_s=60):
-        deadline = time.monotonic() + timeout_s
+        deadline = time.monotonic() + timeout_s * PATIENCE
         while self.show(field) != value:
             if time.monotonic() > deadline:
                 raise AssertionError(f"{field} is {self.show(field)}, not {value}, after {timeout_s} s\n{self.journal()}")

@@ -22,7 +22,7 @@ def udev_saw_s(world, serial):
 
 
 def wait_for_udev(world, serial, timeout_s=60):
-    deadline = time.monotonic() + timeout_s
+    deadline = time.monotonic() + timeout_s * heard.PATIENCE
     while (seen := udev_saw_s(world, serial)) is None:
         assert time.monotonic() < deadline, f"udev did not see {serial} within {timeout_s} s"
         time.sleep(0.3)
