@@ -23,9 +23,13 @@ def read_tum(path):
 
 def pose_distance(a, b):
     """(m, deg) between two poses (position, quaternion x y z w)."""
-    metres = math.dist(a[0], b[0])
-    cosine = min(1.0, abs(sum(p * q for p, q in zip(a[1], b[1]))))
-    return metres, math.degrees(2 * math.acos(cosine))
+    (ax, ay, az, aw), (bx, by, bz, bw) = a[1], b[1]
+    # The vector part of a^-1 b: exact for small angles, whose cosine says nothing after nine decimals.
+    x = aw * bx - ax * bw - ay * bz + az * by
+    y = aw * by - ay * bw - az * bx + ax * bz
+    z = aw * bz - az * bw - ax * by + ay * bx
+    cosine = abs(ax * bx + ay * by + az * bz + aw * bw)
+    return math.dist(a[0], b[0]), math.degrees(2 * math.atan2(math.hypot(x, y, z), cosine))
 
 
 class World:

@@ -48,9 +48,10 @@ def unplug_and_replug(world):
     came_s = wait_for_udev(world, "WM-1")
     pose = world.hearing.wait_for("pose of all three", "POSE",
                                   lambda m: m["cameras_used"] == COUNT and m["heard_s"] > came_s)
-    took_s = pose["heard_s"] - came_s
-    print(f"back {took_s:.1f} s after udev's event")
-    assert took_s <= BACK_S, f"{took_s} s"
+    # Exposed when, on the guest's clock: what solving takes says nothing in an emulated machine.
+    exposed_s = pose["heard_s"] - pose["latency_ms"] / 1e3
+    print(f"udev's event, {exposed_s - came_s:.1f} s to the first image in a set, {pose['heard_s'] - came_s:.1f} s to its pose")
+    assert exposed_s - came_s <= BACK_S, f"back after {exposed_s - came_s} s only"
     assert pose["session"] == session, "it was restarted"
     world.hearing.wait_for("end of the alert", "ALERT", lambda m: not m["raised"] and m["kind"] == "MISSING")
     status = world.cameras[1].order("status")
