@@ -29,13 +29,14 @@ SCENARIOS = (package, poses, devices, service_faults, disks, capture_paths)
 BOOT_S = 120
 
 
-def make_package(paths, folder):
-    """The .deb as users get it, of the programs as they were built."""
+def make_packages(paths, folder):
+    """The .debs as users get them, of the programs as they were built, under their names without version."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     subprocess.run([paths["cpack"], "-G", "DEB", "--config", paths["cpack_config"], "-B", folder],
                    check=True, stdout=subprocess.DEVNULL)
-    return next(folder.glob("waymark-locd_*.deb"))
+    for package_file in folder.glob("*.deb"):
+        package_file.rename(folder / f"{package_file.name.partition('_')[0]}.deb")
 
 
 def start(world):
@@ -47,14 +48,16 @@ def start(world):
     end(world)
     shutil.rmtree(world.run, ignore_errors=True)
     world.run.mkdir(parents=True)
-    package_file = make_package(world.paths, world.run / "package")
-    say(f"packed {package_file.name}")
+    packages = world.run / "packages"
+    make_packages(world.paths, packages)
+    say("packed")
     make_inputs(world.paths)
     say("capture and maps made")
-    image = subprocess.run([HERE / "image/build", package_file], check=True, stdout=subprocess.PIPE, text=True)
+    image = subprocess.run([HERE / "image/build", packages / "waymark-locd.deb"], check=True, stdout=subprocess.PIPE, text=True)
     say("image there")
     world.machine.start(*image.stdout.split())
-    shutil.copy(package_file, world.share / "waymark-locd.deb")
+    for package_file in packages.glob("*.deb"):
+        shutil.copy(package_file, world.share)
     (world.share / "bin").mkdir()
     for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture"):
         shutil.copy(world.paths[tool], world.share / "bin")

@@ -10,7 +10,7 @@
 
 #include "core/capture/image_file.h"
 #include "drivers/monotonic_clock.h"
-#include "drivers/v4l2/pixel_format.h"
+#include "drivers/v4l2/device_lookup.h"
 #include "drivers/v4l2/v4l2_source.h"
 
 namespace {
@@ -73,7 +73,7 @@ Expected<std::vector<std::unique_ptr<FrameSource>>> sources_of(const Options& op
   for (const std::string& device : options.devices) {
     auto identity = parse_device_identity(device);
     if (!identity) return tl::make_unexpected(identity.error());
-    V4l2Options camera;
+    CameraOptions camera;
     camera.name = device;
     camera.device = std::move(*identity);
     camera.request.width_px = options.width_px;

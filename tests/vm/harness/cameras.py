@@ -44,9 +44,18 @@ class Camera:
         try:
             os.killpg(group, signal.SIGTERM)
             while True:
+                self._reap(group)
                 os.killpg(group, 0)
                 time.sleep(0.02)
         except ProcessLookupError:
+            pass
+
+    @staticmethod
+    def _reap(process):
+        """Who ended it sees it vanish, also when it started it itself."""
+        try:
+            os.waitpid(process, os.WNOHANG)
+        except ChildProcessError:
             pass
 
     def is_plugged(self):

@@ -1,8 +1,26 @@
 """Other ways from a camera to locd: libcamera, multi-planar and YUYV formats, v4l2loopback at full rate."""
 
+from poses import assert_expected
+
 WIDTH, HEIGHT = 640, 480
 # FourCC, our name, whether the device speaks multi-planar, and how its first plane holds luma.
 FORMATS = (("YUYV", "YUYV", False, 2), ("YUYV", "YUYV", True, 2), ("NM12", "NV12M", True, 1))
+
+
+def libcamera(world):
+    """The same cameras through libcamera: poses of all three, where the images put them, cameras set as configured."""
+    world.guest.check("dpkg -i /share/waymark-libcamera.deb", timeout_s=120)
+    world.plug_all()
+    world.locd.configure(driver="libcamera")
+    world.locd.start()
+    try:
+        for message in world.wait_for_full_pose(count=3):
+            assert_expected(world, message)
+        for camera in world.cameras:
+            status = camera.order("status")
+            assert '"exposure_100us":30' in status, f"{camera.serial}: {status}"
+    finally:
+        world.locd.stop()
 
 
 def other_formats(world):

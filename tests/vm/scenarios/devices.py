@@ -5,6 +5,7 @@ import time
 
 import hearing as heard
 from cameras import COUNT
+from poses import assert_expected
 
 # FAULTS: back within so many seconds of the udev event.
 BACK_S = 5.0
@@ -77,8 +78,7 @@ def all_unplugged_and_replugged_elsewhere(world):
         world.cameras[number].plug((number + 2) % COUNT)
         wait_for_udev(world, f"WM-{number}")
     for message in world.wait_for_full_pose(count=3):
-        metres, degrees = world.distance_to_expected(message)
-        assert metres < 0.01 and degrees < 0.3, f"{metres} m, {degrees} deg off: {message}"
+        assert_expected(world, message)
         assert message["session"] == session, "it was restarted"
     for number in range(COUNT):
         world.cameras[number].plug(number)
