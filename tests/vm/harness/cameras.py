@@ -33,12 +33,18 @@ class Camera:
             process = subprocess.Popen(command + (["--mjpeg"] if mjpeg else []), cwd=self.run,
                                        stdin=subprocess.DEVNULL, stdout=log, stderr=log,
                                        start_new_session=True)
-        self.pid_file.write_text(str(process.pid), encoding="utf-8")
+        self.pid_file.write_text(f"{process.pid} {port}", encoding="utf-8")
+
+    def _process_and_port(self):
+        """Of the camera as it is plugged in; nothing of one that is not."""
+        try:
+            return [int(word) for word in self.pid_file.read_text(encoding="utf-8").split()]
+        except OSError:
+            return None, None
 
     def unplug(self):
-        try:
-            group = int(self.pid_file.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        group = self._process_and_port()[0]
+        if group is None:
             return
         self.pid_file.unlink()
         try:
@@ -58,8 +64,9 @@ class Camera:
         except ChildProcessError:
             pass
 
-    def is_plugged(self):
-        return self.pid_file.exists()
+    def port(self):
+        """Where it is plugged in; None: nowhere."""
+        return self._process_and_port()[1]
 
     def order(self, text):
         """The emulator's answer to an order, see uvc_camera/uvc_device.h."""

@@ -47,8 +47,12 @@ class World:
     # What scenarios begin with.
 
     def plug_all(self):
+        """Every camera in the port of its own number, and all is well with it."""
         for port, camera in enumerate(self.cameras):
-            if not camera.is_plugged():
+            if camera.port() != port:
+                camera.unplug()
+        for port, camera in enumerate(self.cameras):
+            if camera.port() is None:
                 camera.plug(port)
             else:
                 camera.order("go")
