@@ -9,6 +9,7 @@
 #include <limits>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include "core/base/system_call.h"
 
@@ -45,10 +46,13 @@ Status lock_memory() {
               system_reason());
 }
 
-void keep_heap() {
+void keep_heap(std::size_t reserve_bytes) {
   ::mallopt(M_ARENA_MAX, 1);
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  // Given back to the heap, not to the system; written, for pages come with the first write.
+  const std::vector<char> touched(reserve_bytes, '\1');
+  static_cast<void>(touched);
 }
 
 }  // namespace waymark

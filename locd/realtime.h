@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "core/base/error.h"
@@ -22,10 +23,10 @@ inline constexpr int kLocalizationPriority = 30;
 /// does not permit it.
 [[nodiscard]] Status lock_memory();
 
-/// Has the allocator keep what it once took, in one heap: after the first sets no page comes or
-/// goes, and the resident memory stands still. For a program whose needs repeat; before its threads
-/// start.
-void keep_heap();
+/// Has the allocator keep what it once took, in one heap, and gives that heap `reserve_bytes` at
+/// once: no page comes or goes later, and the resident memory stands still. For a program whose
+/// needs repeat; before its threads start.
+void keep_heap(std::size_t reserve_bytes);
 
 /// Whether threads may be put on SCHED_FIFO: tries it in one of its own.
 [[nodiscard]] Status check_realtime();

@@ -59,7 +59,18 @@ long kept_kb() {
 TEST(RealtimeDeathTest, TheHeapIsKeptWhenAsked) {
   constexpr long kHalf_kb = 32 * 1024;
   EXPECT_EXIT(::_exit(kept_kb() < kHalf_kb ? 0 : 1), testing::ExitedWithCode(0), "");
-  EXPECT_EXIT((keep_heap(), ::_exit(kept_kb() > kHalf_kb ? 0 : 1)), testing::ExitedWithCode(0), "");
+  EXPECT_EXIT((keep_heap(0), ::_exit(kept_kb() > kHalf_kb ? 0 : 1)), testing::ExitedWithCode(0),
+              "");
+}
+
+TEST(RealtimeDeathTest, TheHeapHasItsReserveAtOnce) {
+  constexpr std::size_t kReserve = std::size_t{64} << 20;
+  const auto grows_kb = [] {
+    const long before = resident_kb();
+    keep_heap(kReserve);
+    return resident_kb() - before;
+  };
+  EXPECT_EXIT(::_exit(grows_kb() > 60 * 1024 ? 0 : 1), testing::ExitedWithCode(0), "");
 }
 
 TEST(Realtime, AThreadThatWasPermittedRunsOnFifo) {
