@@ -67,9 +67,13 @@ std::vector<std::string> StatusReport::camera_news(
     const std::vector<RigCapture::CameraState>& states) {
   std::vector<std::string> lines;
   for (std::size_t c = 0; c < states.size(); ++c) {
-    if (states[c].description == cameras_[c].description) continue;
-    cameras_[c].description = states[c].description;
-    lines.push_back(fmt::format("{}: {}", cameras_[c].name, states[c].description));
+    const auto tell = [&](std::string& told, const std::string& now) {
+      if (told == now) return;
+      told = now;
+      if (!now.empty()) lines.push_back(fmt::format("{}: {}", cameras_[c].name, now));
+    };
+    tell(cameras_[c].description, states[c].description);
+    tell(cameras_[c].error, states[c].error);
   }
   return lines;
 }

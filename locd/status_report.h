@@ -25,7 +25,8 @@ class StatusReport {
   [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
                                                  Stamp now, Stamp grace);
 
-  /// A line per camera that runs in another way than before: "cam0: GREY 1224×1024 at 30/s, …".
+  /// A line per camera that runs in another way than before ("cam0: GREY 1224×1024 at 30/s, …"), or
+  /// that fails for another reason.
   [[nodiscard]] std::vector<std::string> camera_news(
       const std::vector<RigCapture::CameraState>& states);
 
@@ -45,6 +46,7 @@ class StatusReport {
   struct Memory {
     std::string name;
     std::string description;
+    std::string error;
     bool missing = false;
     std::uint64_t frames_judged = 0;
     Stamp last_frame{0};

@@ -54,6 +54,32 @@ class Machine {
   std::vector<RigCapture::CameraState> states_{2};
 };
 
+TEST(StatusReport, WhatACameraDoesAndWhyItFailsIsNewsOnce) {
+  StatusReport report(two_cameras());
+  std::vector<RigCapture::CameraState> states(2);
+  EXPECT_TRUE(report.camera_news(states).empty());
+  states[0].description = "GREY 64×48";
+  states[1].error = "absent";
+  EXPECT_EQ(report.camera_news(states),
+            (std::vector<std::string>{"cam0: GREY 64×48", "cam1: absent"}));
+  EXPECT_TRUE(report.camera_news(states).empty());
+  states[1].error = "";
+  EXPECT_TRUE(report.camera_news(states).empty());
+  states[1].error = "absent";
+  EXPECT_EQ(report.camera_news(states), std::vector<std::string>{"cam1: absent"});
+}
+
+TEST(StatusReport, OnlyAWrongConfigurationIsOne) {
+  StatusReport report(two_cameras());
+  std::vector<RigCapture::CameraState> states(2);
+  states[1].error = "absent";
+  EXPECT_FALSE(report.misconfiguration(states));
+  states[1].misconfigured = true;
+  ASSERT_TRUE(report.misconfiguration(states));
+  EXPECT_EQ(report.misconfiguration(states)->message, "cam1: absent");
+  EXPECT_EQ(report.misconfiguration(states)->kind, ErrorKind::config);
+}
+
 TEST(StatusReport, ACameraIsMissingOnceAndOverOnce) {
   Machine machine(milliseconds(100));
   EXPECT_TRUE(machine.run(seconds(5), true).empty());
