@@ -19,6 +19,7 @@
 #include "drivers/replay_source.h"
 #include "locd/localizer.h"
 #include "locd/recorder.h"
+#include "locd/telemetry.h"
 
 namespace waymark::bench {
 namespace {
@@ -102,6 +103,13 @@ constexpr int kWarmUp = 20;
 
 int measure_stages(Player& player, const MarkerMap& map, int sets, bool detections, Stamp started) {
   Localizer localizer(player.rig(), map, {});
+  Config::Lcm lcm;
+  lcm.url = "memq://";
+  SessionFacts session;
+  session.session_id = new_session_id();
+  session.cameras = player.rig().cameras.size();
+  Telemetry telemetry(lcm, session, read_clocks());
+  tell_libraries_apart();
   PoseEstimate estimate;
   std::vector<Stamp> detect, solve, watch, rest, computed;
   for (auto* times : {&detect, &solve, &watch, &rest, &computed})
@@ -116,14 +124,17 @@ int measure_stages(Player& player, const MarkerMap& map, int sets, bool detectio
     const Stamp begun = monotonic_now();
     localizer.localize(*set, estimate);
     const Stamp all = monotonic_now() - begun;
+    telemetry.publish_pose(estimate, monotonic_now());
     const AllocationCount after = allocations();
     if (i == 0) {
       fmt::print("  start to first pose: {:.0f} ms\n", milliseconds(monotonic_now() - started));
     }
     if (i < kWarmUp) continue;
     ok += estimate.status == PoseStatus::ok ? 1 : 0;
-    spent.ours += after.ours - before.ours;
-    spent.libraries += after.libraries - before.libraries;
+    for (auto part : {&AllocationCount::ours, &AllocationCount::opencv, &AllocationCount::lcm,
+                      &AllocationCount::others}) {
+      spent.*part += after.*part - before.*part;
+    }
     detect.push_back(estimate.times.detect);
     solve.push_back(estimate.times.solve);
     watch.push_back(estimate.times.watch);
@@ -137,8 +148,11 @@ int measure_stages(Player& player, const MarkerMap& map, int sets, bool detectio
   print_times("all but detection", rest);
   if (detections) print_times("the same, CPU time", computed);
   const auto count = static_cast<double>(std::max<std::size_t>(1, detect.size()));
-  fmt::print("  allocations per set: ours {:.2f}, libraries' {:.2f}\n",
-             static_cast<double>(spent.ours) / count, static_cast<double>(spent.libraries) / count);
+  fmt::print(
+      "  allocations per set, published: ours {:.2f}, OpenCV's {:.2f}, LCM's {:.2f}, others' "
+      "{:.2f}\n",
+      static_cast<double>(spent.ours) / count, static_cast<double>(spent.opencv) / count,
+      static_cast<double>(spent.lcm) / count, static_cast<double>(spent.others) / count);
   fmt::print("  resident: {:.1f} MB\n", resident_mb());
   return 0;
 }
