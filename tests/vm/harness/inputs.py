@@ -3,10 +3,11 @@
 import pathlib
 import subprocess
 
-# A slow round of 12 positions, 5 cm apart, in the room of the scene library: at one position a second the
-# cameras' skew, tens of milliseconds in an emulated machine, is worth less than a few millimetres.
+# A slow round of 13 positions, 5 cm apart: at one position a second the
+# cameras' skew, tens of milliseconds in an emulated machine, is worth less than a few millimetres. A prime number, for a
+# service that localizes every 2nd, 3rd, … set must not meet the same image over and over and call it frozen.
 ROUND = """[trajectory]
-positions = 12
+positions = 13
 speed_mps = 0.05
 look_from = "world"
 waypoints = [
@@ -25,7 +26,10 @@ def make_inputs(paths):
     if (folder / "expected.tum").exists():
         return
     folder.mkdir(parents=True, exist_ok=True)
+    # The scene library's room with one row of markers on each wall, for half the work in the guest.
     room = (source / "simulator/scenes/room1.toml").read_text(encoding="utf-8")
+    room = room.replace("rows_m = [0.80, 1.70]", "rows_m = [1.25]").replace("last = 59", "last = 29")
+    (folder / "survey.toml").write_text(room, encoding="utf-8")
     (folder / "room.toml").write_text(room.partition("[trajectory]")[0] + ROUND, encoding="utf-8")
     rig = source / "tests/vm/rig.yaml"
 
@@ -35,7 +39,7 @@ def make_inputs(paths):
     subprocess.run(["rm", "-rf", "capture", "survey", "other"], cwd=folder, check=True)
     run(paths["simulator"], "render", "--scene", "room.toml", "--rig", rig, "-o", "capture")
     for name, noise in (("survey", 0.1), ("other", 0.2)):
-        run(paths["simulator"], "detections", "--scene", "room1", "--rig", rig, "--noise-px", noise, "-o", name)
+        run(paths["simulator"], "detections", "--scene", "survey.toml", "--rig", rig, "--noise-px", noise, "-o", name)
     run(paths["mapbuilder"], "build", "survey", "-o", "room.map")
     # Another map of the same room, in the same frame.
     run(paths["mapbuilder"], "build", "other", "-o", "other.map", "--frame-of", "room.map")

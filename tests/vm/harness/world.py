@@ -58,7 +58,9 @@ class World:
                 camera.order("go")
 
     def localize(self):
-        """Three cameras, the usual configuration, poses of all three."""
+        """The package installed, three cameras, the usual configuration, poses of all three."""
+        self.guest.check("test -x /usr/bin/locd || dpkg -i /share/waymark-locd.deb", 180)
+        self.listen()
         self.plug_all()
         if self.locd.show("ActiveState") != "active":
             self.locd.configure()

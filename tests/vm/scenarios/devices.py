@@ -107,9 +107,10 @@ def short_frames(world):
     world.hearing.mark()
     before = world.hearing.wait_for("status", "STATUS", lambda m: True)
     dropped = state_of(before, "cam0")["dropped"]
-    world.cameras[0].order("short 4")
+    world.cameras[0].order("short 1000")
     world.hearing.wait_for("drops", "STATUS", lambda m: state_of(m, "cam0")["dropped"] >= dropped + 2)
     world.hearing.wait_for("poses of the others", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
+    world.cameras[0].order("go")
     world.wait_for_full_pose()
 
 

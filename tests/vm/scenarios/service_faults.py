@@ -93,12 +93,14 @@ def writes_only_its_state(world):
     world.localize()
     pid = world.locd.pid()
     inside = f"nsenter --target {pid} --mount --"
-    for folder in ("/", "/etc", "/etc/locd", "/usr", "/usr/bin", "/var", "/var/log", "/var/lib", "/root", "/home",
+    for folder in ("/", "/etc", "/usr", "/usr/bin", "/var", "/var/log", "/var/lib", "/root", "/home",
                    "/boot", "/srv", "/opt", "/proc/sys/kernel"):
         code, text = world.guest.run(f"{inside} touch {folder}/waymark-was-here")
         assert code != 0, f"{folder} can be written: {text}"
+    as_locd = f"{inside} setpriv --reuid locd --regid locd --init-groups"
+    assert world.guest.run(f"{as_locd} touch /etc/locd/waymark-was-here")[0] != 0, "it can write its configuration"
     for folder in ("/var/lib/locd", "/run/locd"):
-        world.guest.check(f"{inside} touch {folder}/waymark-was-here && rm {folder}/waymark-was-here")
+        world.guest.check(f"{as_locd} touch {folder}/waymark-was-here && rm {folder}/waymark-was-here")
     owned = world.guest.check("find / -xdev -user locd -not -path '/proc/*' -not -path '/var/lib/locd*' -not "
                               "-path '/run/locd*'")
     assert owned == "", f"files elsewhere: {owned}"
