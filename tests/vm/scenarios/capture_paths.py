@@ -33,9 +33,8 @@ def other_formats(world):
         guest.check(f"v4l2-ctl -d {node} --set-ctrl=osd_text_mode=2")
     for fourcc, name, multiplanar, bytes_per_luma in FORMATS:
         node = nodes[multiplanar]
-        plane = "-mplane" if multiplanar else ""
-        guest.check(f"v4l2-ctl -d {node} --set-fmt-video{plane}=width={WIDTH},height={HEIGHT},pixelformat={fourcc}"
-                    f" --stream-mmap --stream-count=1 --stream-to=/share/reference.raw", 60)
+        guest.check(f"v4l2-ctl -d {node} --set-fmt-video=width={WIDTH},height={HEIGHT},pixelformat={fourcc}"
+                    " --stream-mmap --stream-count=1 --stream-to=/share/reference.raw", 60)
         guest.check(f"/share/bin/vm_capture bus=platform:vivid-00{int(multiplanar)} --width {WIDTH} "
                     f"--height {HEIGHT} --format {name} --frames 3 --save /share/captured.pgm", 60)
         luma = (world.share / "reference.raw").read_bytes()[: WIDTH * HEIGHT * bytes_per_luma: bytes_per_luma]
