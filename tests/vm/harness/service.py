@@ -33,7 +33,7 @@ driver = "{driver}"
 device = "{device}"
 fps = 1
 exposure_us = 3000
-gain = 40
+gain = {gain}
 """
 URL = "udpm://239.255.76.67:7667?ttl=0"
 
@@ -45,13 +45,13 @@ class Locd:
         self.inputs = pathlib.Path(inputs)
 
     def configure(self, driver="v4l2", device="serial=WM-{number}", map_file="room.map", min_free_bytes=0,
-                  startup_wait_s=60):
+                  startup_wait_s=60, gain=40):
         """Writes /etc/locd; takes effect with the next restart or reload."""
         etc = self.share / "etc"
         etc.mkdir(exist_ok=True)
         for source in ("room.map", "other.map", "capture/rig.yaml", "capture/markers.toml"):
             shutil.copy(self.inputs / source, etc)
-        cameras = "".join(CAMERA.format(number=i, driver=driver, device=device.format(number=i)) for i in range(3))
+        cameras = "".join(CAMERA.format(number=i, driver=driver, device=device.format(number=i), gain=gain) for i in range(3))
         (etc / "locd.toml").write_text(
             CONFIG.format(map=map_file, cameras=cameras, url=URL, min_free_bytes=min_free_bytes,
                           startup_wait_s=startup_wait_s), encoding="utf-8")

@@ -11,7 +11,7 @@ def libcamera(world):
     """The same cameras through libcamera: poses of all three, where the images put them, cameras set as configured."""
     world.guest.check("dpkg -i /share/waymark-libcamera.deb", timeout_s=120)
     world.plug_all()
-    world.locd.configure(driver="libcamera")
+    world.locd.configure(driver="libcamera", gain=1)  # in libcamera's unit a factor
     world.locd.start()
     try:
         for message in world.wait_for_full_pose(count=3):
