@@ -64,32 +64,31 @@ FrameMaker::Made FrameMaker::make(std::uint32_t buffer, std::span<const std::uin
     ++damaged_;
     return {};
   }
-  if (!in_place()) return {convert(bytes, info), true};
+  if (!in_place()) return convert(bytes, info);
   const auto slot = lender_.lend(buffer);
   if (!slot) {
     ++lost_;
-    return {};
+    return {std::nullopt, true, true};
   }
   const GrayView view{bytes.data(), layout_.width_px, layout_.height_px, layout_.stride_bytes};
-  return {Frame(info, view, nullptr, &lender_, *slot), false};
+  return {Frame(info, view, nullptr, &lender_, *slot), true, false};
 }
 
-std::optional<Frame> FrameMaker::convert(std::span<const std::uint8_t> bytes,
-                                         const FrameInfo& info) {
+FrameMaker::Made FrameMaker::convert(std::span<const std::uint8_t> bytes, const FrameInfo& info) {
   if (free_images_.empty()) {
     ++lost_;
-    return std::nullopt;
+    return {std::nullopt, true, true};
   }
   const std::uint32_t index = free_images_.back();
   GrayImage& image = (*images_)[index];
   if (!convert_to_gray(*layout_.pixels, bytes, layout_.stride_bytes, image)) {
     ++damaged_;
-    return std::nullopt;
+    return {};
   }
   const auto slot = lender_.lend(index);
   WAYMARK_CHECK(slot.has_value());  // there are as many images as may be lent
   free_images_.pop_back();
-  return Frame(info, image.view(), nullptr, &lender_, *slot);
+  return {Frame(info, image.view(), nullptr, &lender_, *slot), true, true};
 }
 
 std::vector<std::uint32_t> FrameMaker::take_returned() {

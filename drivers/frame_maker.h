@@ -45,6 +45,7 @@ class FrameMaker {
 
   struct Made {
     std::optional<Frame> frame;  ///< none: short, undecodable or too many are lent; counted
+    bool whole = false;          ///< the device did its part, whether or not there is a frame
     bool buffer_is_free = true;  ///< to be given back at once
   };
   [[nodiscard]] Made make(std::uint32_t buffer, std::span<const std::uint8_t> bytes,
@@ -60,8 +61,7 @@ class FrameMaker {
 
  private:
   [[nodiscard]] bool in_place() const;
-  [[nodiscard]] std::optional<Frame> convert(std::span<const std::uint8_t> bytes,
-                                             const FrameInfo& info);
+  [[nodiscard]] Made convert(std::span<const std::uint8_t> bytes, const FrameInfo& info);
 
   FrameLayout layout_;
   BufferLender lender_;

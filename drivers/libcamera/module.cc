@@ -145,7 +145,8 @@ class LibcameraSource final : public FrameSource {
     return manager_->get(options_.id);
   }
   [[nodiscard]] Expected<std::shared_ptr<libcamera::Camera>> find_by_device() {
-    const auto device = find_device(options_.camera.device, system_->devices());
+    const auto device =
+        find_device(options_.camera.device, system_->devices(options_.camera.device));
     if (!device) return tl::make_unexpected(device.error());
     if (auto same = check_serial(*device, options_.camera); !same) {
       return tl::make_unexpected(same.error());
@@ -262,7 +263,7 @@ class LibcameraSource final : public FrameSource {
           std::min<std::size_t>(about.planes()[0].bytesused, buffer.planes()[0].length);
       made = frames_.make(index, {(*memory_)[index].get(), filled}, info);
     }
-    if (made.frame) stall_.frame(info.arrival);
+    if (made.whole) stall_.frame(info.arrival);
     if (made.buffer_is_free) {
       if (auto given = recycle(request); !given) return tl::make_unexpected(given.error());
     }

@@ -19,19 +19,10 @@ bool is_number(std::string_view path) {
 }
 
 bool fits(const DeviceIdentity& identity, const VideoDevice& device) {
-  if (identity.path.empty()) {
-    return (identity.serial.empty() || identity.serial == device.serial) &&
-           (identity.bus.empty() || identity.bus == device.bus);
-  }
-  if (std::find(device.links.begin(), device.links.end(), identity.path) != device.links.end()) {
-    return true;
-  }
-  std::error_code absent;  // links that others than udev made
-  return std::filesystem::canonical(identity.path, absent) == device.node && !absent;
+  return may_be(identity, device) && (identity.bus.empty() || identity.bus == device.bus);
 }
 
 std::string names_of(const std::vector<VideoDevice>& devices) {
-  if (devices.empty()) return "none at all";
   std::vector<std::string> names;
   std::transform(devices.begin(), devices.end(), std::back_inserter(names), name_of);
   return fmt::format("{}", fmt::join(names, ", "));
@@ -42,6 +33,15 @@ std::string names_of(const std::vector<VideoDevice>& devices) {
 std::string name_of(const VideoDevice& device) {
   return fmt::format("{} ({}, {}{}{})", device.node, device.card, device.bus,
                      device.serial.empty() ? "" : ", serial ", device.serial);
+}
+
+bool may_be(const DeviceIdentity& wanted, const VideoDevice& device) {
+  if (wanted.path.empty()) return wanted.serial.empty() || wanted.serial == device.serial;
+  if (std::find(device.links.begin(), device.links.end(), wanted.path) != device.links.end()) {
+    return true;
+  }
+  std::error_code absent;  // links that others than udev made
+  return std::filesystem::canonical(wanted.path, absent) == device.node && !absent;
 }
 
 std::string DeviceIdentity::text() const {
@@ -88,8 +88,9 @@ Expected<VideoDevice> find_device(const DeviceIdentity& identity,
                [&](const VideoDevice& device) { return fits(identity, device); });
   if (fitting.size() == 1) return fitting.front();
   if (fitting.empty()) {
-    return fail(ErrorKind::unavailable, "{}: no such camera is plugged in; there are: {}",
-                identity.text(), names_of(devices));
+    return fail(ErrorKind::unavailable,
+                "{}: no such camera is plugged in; locd --list-cameras names those that are",
+                identity.text());
   }
   return fail(ErrorKind::config,
               "{}: {} can't be told apart by it; use a link below /dev/v4l, or bus=…",

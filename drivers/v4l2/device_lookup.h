@@ -16,8 +16,11 @@ namespace waymark {
 /// for /dev/videoN.
 [[nodiscard]] Expected<DeviceIdentity> parse_device_identity(std::string_view text);
 
-/// The one device that fits. Errors: unavailable when there is none, with what there is instead;
-/// config when several can't be told apart by it.
+/// Whether a device may be the wanted one, by all that is known without opening it: not its bus.
+[[nodiscard]] bool may_be(const DeviceIdentity& wanted, const VideoDevice& device);
+
+/// The one device that fits. Errors: unavailable when there is none; config when several can't be
+/// told apart by it.
 [[nodiscard]] Expected<VideoDevice> find_device(const DeviceIdentity& identity,
                                                 const std::vector<VideoDevice>& devices);
 

@@ -15,7 +15,7 @@
 #include "core/base/system_call.h"
 #include "core/base/text_field.h"
 #include "drivers/monotonic_clock.h"
-#include "drivers/v4l2/video_node.h"
+#include "drivers/v4l2/device_lookup.h"
 
 namespace waymark {
 namespace {
@@ -124,7 +124,7 @@ std::string text_of(const __u8 (&field)[size]) {
 
 class KernelVideoSystem final : public VideoSystem {
  public:
-  [[nodiscard]] std::vector<VideoDevice> devices() override {
+  [[nodiscard]] std::vector<VideoDevice> devices(const DeviceIdentity& wanted) override {
     std::vector<VideoDevice> devices;
     sd_device_enumerator* all = nullptr;
     if (::sd_device_enumerator_new(&all) < 0) return devices;
@@ -132,7 +132,7 @@ class KernelVideoSystem final : public VideoSystem {
     ::sd_device_enumerator_add_match_subsystem(all, "video4linux", 1);
     for (sd_device* device = ::sd_device_enumerator_get_device_first(all); device != nullptr;
          device = ::sd_device_enumerator_get_device_next(all)) {
-      if (auto camera = camera_of(device)) devices.push_back(std::move(*camera));
+      if (auto camera = camera_of(device, wanted)) devices.push_back(std::move(*camera));
     }
     ::sd_device_enumerator_unref(all);
     std::sort(devices.begin(), devices.end(), [](const VideoDevice& a, const VideoDevice& b) {
@@ -156,14 +156,15 @@ class KernelVideoSystem final : public VideoSystem {
   [[nodiscard]] Stamp now() const override { return monotonic_now(); }
 
  private:
-  /// nullopt for nodes that are no cameras, such as those of metadata.
-  std::optional<VideoDevice> camera_of(sd_device* device) {
+  /// nullopt for nodes that are not wanted or no cameras, such as those of metadata.
+  std::optional<VideoDevice> camera_of(sd_device* device, const DeviceIdentity& wanted) {
     VideoDevice camera;
     const char* name = nullptr;
     if (::sd_device_get_devname(device, &name) < 0) return std::nullopt;
     camera.node = name;
     camera.links = links_of(device);
     camera.serial = serial_of(device);
+    if (!may_be(wanted, camera)) return std::nullopt;
     const auto opened = open(camera.node);
     v4l2_capability about{};
     if (!opened) {

@@ -51,7 +51,7 @@ class V4l2Source final : public FrameSource {
   [[nodiscard]] std::uint64_t lost() const override { return frames_.lost(); }
 
   [[nodiscard]] Expected<DeviceReport> inspect() override {
-    const auto device = find_device(options_.device, system_->devices());
+    const auto device = find_device(options_.device, system_->devices(options_.device));
     if (!device) return tl::make_unexpected(device.error());
     auto node = system_->open(device->node);
     if (!node) return tl::make_unexpected(node.error());
@@ -76,7 +76,7 @@ class V4l2Source final : public FrameSource {
 
  private:
   [[nodiscard]] Status open_device() {
-    const auto device = find_device(options_.device, system_->devices());
+    const auto device = find_device(options_.device, system_->devices(options_.device));
     if (!device) return tl::make_unexpected(device.error());
     if (auto same = check_serial(*device, options_); !same) return same;
     auto opened = system_->open(device->node);
@@ -141,7 +141,7 @@ class V4l2Source final : public FrameSource {
     } else {
       made = frames_.make(filled.index, filled.bytes, info);
     }
-    if (made.frame) stall_.frame(info.arrival);
+    if (made.whole) stall_.frame(info.arrival);
     if (made.buffer_is_free) {
       if (auto given = stream_->give(filled.index); !given) {
         return tl::make_unexpected(given.error());

@@ -10,6 +10,7 @@
 
 #include "core/base/error.h"
 #include "core/geometry/stamp.h"
+#include "drivers/camera_options.h"
 
 namespace waymark {
 
@@ -58,8 +59,9 @@ class VideoSystem {
  public:
   virtual ~VideoSystem() = default;
 
-  /// Everything that captures video by streaming, sorted by node.
-  [[nodiscard]] virtual std::vector<VideoDevice> devices() = 0;
+  /// Everything that captures video by streaming and may be `wanted`, sorted by node. What can't be
+  /// is not opened: a device that hangs must not hold up another's camera.
+  [[nodiscard]] virtual std::vector<VideoDevice> devices(const DeviceIdentity& wanted = {}) = 0;
   /// Errors: unavailable when it has gone, permission naming the group.
   [[nodiscard]] virtual Expected<std::unique_ptr<VideoNode>> open(const std::string& node) = 0;
   /// CLOCK_MONOTONIC.

@@ -49,15 +49,26 @@ TEST(FindDevice, EachWayLeadsToTheDevice) {
   EXPECT_EQ(node("/dev/v4l/by-path/platform-vivid"), "/dev/video6");
 }
 
-TEST(FindDevice, NoneNamesThoseThereAre) {
-  const auto device = find_device(*parse_device_identity("serial=right"), kDevices);
-  ASSERT_FALSE(device);
-  EXPECT_EQ(device.error().kind, ErrorKind::unavailable);
-  EXPECT_THAT(device.error().message,
-              HasSubstr("/dev/video0 (Grey, usb-0000:00:14.0-1, serial left)"));
-  EXPECT_THAT(find_device(*parse_device_identity("serial=right"), {}).error().message,
-              HasSubstr("none at all"));
-  EXPECT_FALSE(find_device(*parse_device_identity("bus=usb-0000:00:14.0-2 serial=left"), kDevices));
+TEST(FindDevice, NoneIsUnavailableAndSaysHowToLook) {
+  for (const char* text :
+       {"serial=right", "bus=usb-9", "bus=usb-0000:00:14.0-2 serial=left", "/dev/v4l/by-id/none"}) {
+    const auto device = find_device(*parse_device_identity(text), kDevices);
+    ASSERT_FALSE(device) << text;
+    EXPECT_EQ(device.error().kind, ErrorKind::unavailable);
+    EXPECT_THAT(device.error().message, HasSubstr(text));
+    EXPECT_THAT(device.error().message, HasSubstr("--list-cameras"));
+  }
+}
+
+TEST(MayBe, RulesOutByLinkAndSerialNumberWhatNeedNotBeOpened) {
+  const VideoDevice not_opened{"/dev/video0", {"/dev/v4l/by-id/usb-left"}, "", "left", ""};
+  EXPECT_TRUE(may_be({}, not_opened));
+  EXPECT_TRUE(may_be({"", "left", ""}, not_opened));
+  EXPECT_TRUE(may_be({"", "", "usb-1"}, not_opened));
+  EXPECT_TRUE(may_be({"/dev/v4l/by-id/usb-left", "", ""}, not_opened));
+  EXPECT_FALSE(may_be({"", "right", ""}, not_opened));
+  EXPECT_FALSE(may_be({"", "right", "usb-1"}, not_opened));
+  EXPECT_FALSE(may_be({"/dev/v4l/by-id/usb-right", "", ""}, not_opened));
 }
 
 TEST(FindDevice, TwoThatCantBeToldApartAreRefused) {

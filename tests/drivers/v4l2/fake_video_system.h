@@ -270,7 +270,7 @@ class FakeVideoSystem final : public VideoSystem {
   Stamp time{std::chrono::seconds(1000)};
   std::optional<Error> cannot_open;
 
-  [[nodiscard]] std::vector<VideoDevice> devices() override {
+  [[nodiscard]] std::vector<VideoDevice> devices(const DeviceIdentity& /*wanted*/) override {
     std::vector<VideoDevice> all;
     for (const FakeDevice& camera : cameras) {
       if (!camera.gone) all.push_back(camera.identity);

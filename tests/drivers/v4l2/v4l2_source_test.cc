@@ -181,6 +181,20 @@ TEST_F(V4l2SourceTest, ADeviceWithoutWholeFramesIsToBeStartedAgain) {
   EXPECT_TRUE(taken(grey(0)).has_image());
 }
 
+TEST_F(V4l2SourceTest, FramesThatNobodyGivesBackAreNoStall) {
+  camera().most_buffers = 3;
+  ASSERT_TRUE(source().start());
+  const Frame held = taken(grey(0));
+  for (std::uint32_t i = 1; i < 5; ++i) {
+    system_->time += seconds(1);
+    deliver(grey(i));
+    const auto none = next();
+    ASSERT_TRUE(none) << none.error().message;
+    EXPECT_FALSE(none->has_value());
+  }
+  EXPECT_EQ(source().lost(), 4U);
+}
+
 TEST_F(V4l2SourceTest, AnErrorThatOnlyPollTellsEndsTheStream) {
   ASSERT_TRUE(source().start());
   camera().error_in_poll = true;
