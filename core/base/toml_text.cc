@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/atomic_file.h"
+#include "core/base/one_line.h"
 
 namespace waymark {
 namespace {
@@ -16,7 +17,7 @@ Expected<toml::table> parse_toml(std::string_view text, const std::string& name,
     return toml::parse(text, name);
   } catch (const toml::parse_error& bad) {
     return fail(error, "{}: line {}: not valid TOML: {}", name, bad.source().begin.line,
-                bad.description());
+                in_one_line(bad.description()));
   }
 }
 
