@@ -53,7 +53,8 @@ def start(world):
     say("packed")
     make_inputs(world.paths)
     say("capture and maps made")
-    image = subprocess.run([HERE / "image/build", packages / "waymark-locd.deb"], check=True, stdout=subprocess.PIPE, text=True)
+    image = subprocess.run([HERE / "image/build", packages / "waymark-locd.deb"], check=True,
+                           stdout=subprocess.PIPE, text=True)
     say("image there")
     world.machine.start(*image.stdout.split())
     for package_file in packages.glob("*.deb"):

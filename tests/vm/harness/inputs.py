@@ -4,8 +4,8 @@ import pathlib
 import subprocess
 
 # A slow round of 13 positions, 5 cm apart: at one position a second the
-# cameras' skew, tens of milliseconds in an emulated machine, is worth less than a few millimetres. A prime number, for a
-# service that localizes every 2nd, 3rd, … set must not meet the same image over and over and call it frozen.
+# cameras' skew, tens of milliseconds in an emulated machine, is worth less than a few millimetres. A prime
+# number, for a service that localizes every 2nd, 3rd, … set must not meet one image over and over.
 ROUND = """[trajectory]
 positions = 13
 speed_mps = 0.05

@@ -1,17 +1,19 @@
 """Other ways from a camera to locd: libcamera, multi-planar and YUYV formats, v4l2loopback at full rate."""
 
+from hearing import PATIENCE
 from poses import assert_expected
 
 WIDTH, HEIGHT = 640, 480
 # FourCC, our name, whether the device speaks multi-planar, and how its first plane holds luma.
-FORMATS = (("YUYV", "YUYV", False, 2), ("YUYV", "YUYV", True, 2), ("NM12", "NV12M", True, 1))
+FORMATS = (("YUYV", "YUYV", False, 2), ("YUYV", "YUYV", True, 2), ("NV12", "NV12", True, 1))
 
 
 def libcamera(world):
     """The same cameras through libcamera: poses of all three, where the images put them, cameras set as configured."""
     world.guest.check("dpkg -i /share/waymark-libcamera.deb", timeout_s=120)
     world.plug_all()
-    world.locd.configure(driver="libcamera", gain=1)  # in libcamera's unit a factor
+    # libcamera's gain is a factor, and it sets no frame rate of USB cameras.
+    world.locd.configure(driver="libcamera", gain=1, fps="")
     world.locd.start()
     try:
         for message in world.wait_for_full_pose(count=3):
@@ -27,7 +29,8 @@ def other_formats(world):
     """YUYV and NV12, single- and multi-planar, give the luma that v4l2-ctl gets of the same picture."""
     guest = world.guest
     guest.check("modprobe vivid n_devs=2 node_types=0x1,0x1 multiplanar=1,2 && udevadm settle", 60)
-    nodes = [guest.check(f"v4l2-ctl --list-devices | grep -A1 'platform:vivid-00{i}' | tail -1").strip() for i in (0, 1)]
+    nodes = [guest.check(f"v4l2-ctl --list-devices | grep -A1 'platform:vivid-00{i}' | tail -1").strip()
+             for i in (0, 1)]
     for node in nodes:
         # A picture that stands still.
         guest.check(f"v4l2-ctl -d {node} --set-ctrl=osd_text_mode=2")
@@ -52,11 +55,11 @@ def thirty_frames_a_second(world):
                 "max_buffers=8 card_label=wm0,wm1,wm2 && udevadm settle", 60)
     nodes = "/dev/video40 /dev/video41 /dev/video42"
     guest.check(f"systemd-run --quiet --unit=feed /share/bin/vm_feed {WIDTH} {HEIGHT} 30 20 {nodes}")
-    links = " ".join(f"bus=platform:v4l2loopback-{i:03}" for i in (40, 41, 42))
+    links = " ".join(f"bus=platform:v4l2loopback-{i:03}" for i in range(3))
     text = guest.check(f"/share/bin/vm_capture {links} --width {WIDTH} --height {HEIGHT} --numbered --frames 300", 90)
     print(text)
     for line in text.splitlines():
         seconds = float(line.split(" in ")[1].split(" s")[0])
-        assert 9.5 < seconds < 10.6, f"not 30 frames a second: {line}"
+        assert 9.5 < seconds < 10.6 * PATIENCE, f"not 30 frames a second: {line}"
     guest.run("systemctl stop feed")
     guest.check("rmmod v4l2loopback")

@@ -51,7 +51,8 @@ def unplug_and_replug(world):
                                   lambda m: m["cameras_used"] == COUNT and m["heard_s"] > came_s)
     # Exposed when, on the guest's clock: what solving takes says nothing in an emulated machine.
     exposed_s = pose["heard_s"] - pose["latency_ms"] / 1e3
-    print(f"udev's event, {exposed_s - came_s:.1f} s to the first image in a set, {pose['heard_s'] - came_s:.1f} s to its pose")
+    print(f"from udev's event {exposed_s - came_s:.1f} s to the first image in a set, "
+          f"{pose['heard_s'] - came_s:.1f} s to its pose")
     assert exposed_s - came_s <= BACK_S, f"back after {exposed_s - came_s} s only"
     assert pose["session"] == session, "it was restarted"
     world.hearing.wait_for("end of the alert", "ALERT", lambda m: not m["raised"] and m["kind"] == "MISSING")
@@ -143,12 +144,15 @@ def blocking_device(world):
     world.cameras[1].order("mute")  # the restart that follows blocks in the kernel
     world.hearing.mark()
     world.hearing.wait_for("poses of the others", "POSE", lambda m: m["cameras_used"] == COUNT - 1, count=5)
+    # The program ends at once; what its thread waits for in the kernel (uvcvideo: up to 5 s) keeps the rest of
+    # the process, of which nothing runs any more.
     took_ms = int(world.guest.check(
         "begin=$(date +%s%N); pid=$(systemctl show --value -p MainPID locd); kill -TERM $pid; "
-        "while kill -0 $pid 2>/dev/null; do sleep 0.02; done; echo $((($(date +%s%N) - begin) / 1000000))", 60))
+        "while grep -q '^State:.[^Z]' /proc/$pid/status 2>/dev/null; do sleep 0.02; done; "
+        "echo $((($(date +%s%N) - begin) / 1000000))", 60))
     print(f"ended {took_ms} ms after SIGTERM")
     world.cameras[1].plug(1)
-    assert took_ms <= 1000 * EMULATION_ALLOWANCE, f"SIGTERM took {took_ms} ms"
+    assert took_ms <= 1000 * EMULATION_ALLOWANCE * heard.PATIENCE, f"SIGTERM took {took_ms} ms"
     wait_for_udev(world, "WM-1")
 
 

@@ -69,7 +69,7 @@ def stuck_thread(world):
     session = world.wait_for_full_pose()["session"]
     pid = world.locd.pid()
     thread = world.guest.check(f"for t in /proc/{pid}/task/*; do echo $(basename $t) $(cat $t/comm); done | "
-                               "awk '$2 ~ /solve|localiz/ { print $1 }'")
+                               "awk '$2 == \"localization\" { print $1; exit }'")
     assert thread.isdigit(), world.guest.run(f"cat /proc/{pid}/task/*/comm")[1]
     world.hearing.mark()
     world.guest.check(f"systemd-run --quiet --unit=holder /share/bin/vm_hold_thread {thread}")
@@ -101,6 +101,6 @@ def writes_only_its_state(world):
     assert world.guest.run(f"{as_locd} touch /etc/locd/waymark-was-here")[0] != 0, "it can write its configuration"
     for folder in ("/var/lib/locd", "/run/locd"):
         world.guest.check(f"{as_locd} touch {folder}/waymark-was-here && rm {folder}/waymark-was-here")
-    owned = world.guest.check("find / -xdev -user locd -not -path '/proc/*' -not -path '/var/lib/locd*' -not "
-                              "-path '/run/locd*'")
+    owned = world.guest.check("find /dev /etc /home /opt /root /run /srv /tmp /var -user locd "
+                              "-not -path '/var/lib/locd*' -not -path '/run/locd*'")
     assert owned == "", f"files elsewhere: {owned}"
