@@ -10,10 +10,10 @@
 #include <future>
 
 #include "core/camera/kalibr.h"
+#include "core/map/quarantine.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/control_socket.h"
 #include "locd/localization_thread.h"
-#include "locd/quarantine.h"
 #include "locd/realtime.h"
 #include "locd/recorder.h"
 #include "locd/rig_capture.h"
@@ -43,7 +43,7 @@ MapInUse map_in_use(const Setup& setup, const std::filesystem::path& quarantine_
       std::chrono::microseconds(std::llround(setup.config.solve.time_budget_ms * 1e3));
   if (!setup.map) return map;
   map.map_hash = setup.map_hash;
-  map.world_z_is_up = setup.map->submaps.front().frame == FrameKind::facility;
+  map.world_z_is_up = setup.map->submaps.front().z_is_up;
   map.several_families = setup.map->several_families();
   map.localizer =
       std::make_unique<Localizer>(setup.rig, *setup.map, localizer_options(setup.config));

@@ -5,11 +5,11 @@
 
 #include "core/camera/rig.h"
 #include "core/map/marker_map.h"
+#include "core/map/quarantine.h"
 #include "locd/alert.h"
 #include "locd/frame_synchronizer.h"
 #include "locd/pose_estimate.h"
 #include "locd/pose_gate.h"
-#include "locd/quarantine.h"
 
 namespace waymark {
 

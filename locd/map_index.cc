@@ -11,6 +11,13 @@ MapIndex::MapIndex(const MarkerMap& map) {
   WAYMARK_CHECK(!map.submaps.empty());
   markers_ = map.submaps.front().markers;
   quarantined_.assign(markers_.size(), 0);
+  for (MapMarker& marker : markers_) {
+    if (marker.covariance_known()) continue;
+    ++unknown_covariances_;
+    marker.covariance.setZero();
+    marker.covariance.diagonal().head<3>().setConstant(kUnknownSigma_m * kUnknownSigma_m);
+    marker.covariance.diagonal().tail<3>().setConstant(kUnknownSigma_rad * kUnknownSigma_rad);
+  }
 }
 
 std::optional<std::size_t> MapIndex::find(const MarkerId& id) const {

@@ -9,12 +9,20 @@
 namespace waymark {
 
 /// The markers that locd localizes by: those of a map's first sub-map, the largest, for a pose is
-/// of one frame. Found by id; which of them are quarantined is noted here.
+/// of one frame. Found by id; which of them are quarantined is noted here. A marker whose
+/// covariance the map does not know stands there as if it were known to kUnknownSigma only, so that
+/// what rests on it is never OK.
 class MapIndex {
  public:
+  /// No useful map is worse. (0.01–1 m, 0.01–1 rad)
+  static constexpr double kUnknownSigma_m = 0.1;
+  static constexpr double kUnknownSigma_rad = 0.1;
+
   explicit MapIndex(const MarkerMap& map);
 
   [[nodiscard]] std::size_t size() const { return markers_.size(); }
+  /// Markers whose covariance the map does not know.
+  [[nodiscard]] std::size_t unknown_covariances() const { return unknown_covariances_; }
   [[nodiscard]] const MapMarker& marker(std::size_t index) const { return markers_[index]; }
   [[nodiscard]] std::optional<std::size_t> find(const MarkerId& id) const;
 
@@ -28,6 +36,7 @@ class MapIndex {
  private:
   std::vector<MapMarker> markers_;  ///< by rising id
   std::vector<char> quarantined_;
+  std::size_t unknown_covariances_ = 0;
 };
 
 }  // namespace waymark

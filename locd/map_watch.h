@@ -3,10 +3,10 @@
 #include <span>
 #include <vector>
 
+#include "core/map/quarantine.h"
 #include "locd/alert.h"
 #include "locd/map_index.h"
 #include "locd/pose_estimate.h"
-#include "locd/quarantine.h"
 #include "locd/robust_pose.h"
 
 namespace waymark {

@@ -19,7 +19,7 @@ struct SessionFacts {
   std::string session_id;      ///< 16 hexadecimal digits
   std::string map_hash;        ///< 16 hexadecimal digits; empty without a map
   Rigid3 base_from_rig;        ///< the published pose is world_from_base
-  bool world_z_is_up = false;  ///< the map's frame is the facility's: yaw has a meaning
+  bool world_z_is_up = false;  ///< as the map says: yaw has a meaning
   std::size_t cameras = 0;     ///< of the rig
 };
 

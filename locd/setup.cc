@@ -108,6 +108,14 @@ Status read_map(Setup& setup) {
     setup.notes.push_back(fmt::format("{} holds {} sub-maps; poses are in the first, the largest",
                                       path.string(), map->submaps.size()));
   }
+  const auto& markers = map->submaps.front().markers;
+  const auto unknown = std::count_if(markers.begin(), markers.end(),
+                                     [](const MapMarker& m) { return !m.covariance_known(); });
+  if (unknown > 0) {
+    setup.notes.push_back(fmt::format(
+        "{}: the uncertainty of {} of {} markers is unknown; no pose that rests on them will be OK",
+        path.string(), unknown, markers.size()));
+  }
   setup.map = std::move(*map);
   return {};
 }

@@ -30,6 +30,7 @@ bool is_fingerprint(std::string_view text) {
 
 /// What is wrong with the covariance, or nothing.
 std::string_view covariance_fault(const Matrix6d& covariance) {
+  if (covariance.array().isNaN().all()) return {};
   if (!covariance.allFinite()) return "covariance is not finite";
   const double rounding = kCovarianceRounding * covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding) {
@@ -69,6 +70,9 @@ Status check_submap(const SubMap& submap, std::size_t number, std::set<MarkerId>
   if (submap.frame > FrameKind::facility) {
     return fail(ErrorKind::bad_data, "sub-map {}: unknown kind of frame {}", number,
                 static_cast<int>(submap.frame));
+  }
+  if (submap.frame == FrameKind::facility && !submap.z_is_up) {
+    return fail(ErrorKind::bad_data, "sub-map {}: a facility frame whose z is not up", number);
   }
   if (submap.frame_sets > kMaxCount || !is_rms(submap.rms_px) || !is_rms(submap.rms_all_px)) {
     return fail(ErrorKind::bad_data, "sub-map {}: frame sets or RMS are out of range", number);

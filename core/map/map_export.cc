@@ -15,6 +15,18 @@ std::string format_submap_tum(const SubMap& submap, bool with_family) {
   return format_tum(poses);
 }
 
+namespace {
+
+/// Six standard deviations, or as many empty fields.
+std::string sigma_fields(const MapMarker& marker) {
+  if (!marker.covariance_known()) return ",,,,,";
+  const Vector6d sigma = marker.covariance.diagonal().cwiseMax(0).cwiseSqrt();
+  return fmt::format("{:.3g},{:.3g},{:.3g},{:.3g},{:.3g},{:.3g}", sigma[0], sigma[1], sigma[2],
+                     sigma[3], sigma[4], sigma[5]);
+}
+
+}  // namespace
+
 std::string format_submap_csv(const SubMap& submap, bool with_family) {
   std::string text =
       "id,family,size_m,stated_size_m,x_m,y_m,z_m,qx,qy,qz,qw,sigma_x_m,sigma_y_m,sigma_z_m,"
@@ -22,14 +34,13 @@ std::string format_submap_csv(const SubMap& submap, bool with_family) {
   for (const MapMarker& marker : submap.markers) {
     const Eigen::Vector3d& t = marker.world_from_marker.translation;
     const Eigen::Quaterniond& q = marker.world_from_marker.rotation;
-    const Vector6d sigma = marker.covariance.diagonal().cwiseMax(0).cwiseSqrt();
     fmt::format_to(std::back_inserter(text),
                    "{},{},{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},{:.9f},"
-                   "{:.3g},{:.3g},{:.3g},{:.3g},{:.3g},{:.3g},{},{},{:.4f},{}\n",
+                   "{},{},{},{:.4f},{}\n",
                    format_marker_id(marker.id, with_family), name_of(marker.id.family),
                    marker.size_m, marker.stated_size_m, t.x(), t.y(), t.z(), q.x(), q.y(), q.z(),
-                   q.w(), sigma[0], sigma[1], sigma[2], sigma[3], sigma[4], sigma[5],
-                   marker.observations, marker.rejected, marker.rms_px, marker.verified ? 1 : 0);
+                   q.w(), sigma_fields(marker), marker.observations, marker.rejected, marker.rms_px,
+                   marker.verified ? 1 : 0);
   }
   return text;
 }

@@ -11,7 +11,8 @@ namespace waymark {
 [[nodiscard]] std::string format_submap_tum(const SubMap& submap, bool with_family);
 
 /// One sub-map as CSV with a header line: id, family, sizes, world_from_marker, its standard
-/// deviations (m; rad about the world's axes), observations, RMS, verified (1 or 0).
+/// deviations (m; rad about the world's axes; empty where unknown), observations, RMS, verified (1
+/// or 0).
 [[nodiscard]] std::string format_submap_csv(const SubMap& submap, bool with_family);
 
 /// One sub-map as PLY (ASCII): a square per marker, wound counter-clockwise as seen from its front,

@@ -41,8 +41,13 @@ std::uint32_t checksum(std::string_view fields, std::string_view payload) {
   return crc.checksum();
 }
 
-/// The payload of a container whose every byte is as it was written.
-Expected<std::string_view> open_container(std::string_view bytes, const std::string& name) {
+struct Container {
+  std::uint32_t version = 0;
+  std::string_view payload;
+};
+
+/// A container whose every byte is as it was written.
+Expected<Container> open_container(std::string_view bytes, const std::string& name) {
   if (!bytes.starts_with(kMagic)) {
     return fail(ErrorKind::bad_data,
                 "{}: no marker map: it does not begin with \"WAYMARK\"; maps are what mapbuilder "
@@ -75,7 +80,7 @@ Expected<std::string_view> open_container(std::string_view bytes, const std::str
     return fail(ErrorKind::bad_data,
                 "{}: damaged marker map: its checksum does not fit; copy the file again", name);
   }
-  return payload;
+  return Container{static_cast<std::uint32_t>(version), payload};
 }
 
 }  // namespace
@@ -94,9 +99,9 @@ Expected<std::string> encode_map(const MarkerMap& map) {
 }
 
 Expected<MarkerMap> decode_map(std::string_view bytes, const std::string& name) {
-  const auto payload = open_container(bytes, name);
-  if (!payload) return tl::make_unexpected(payload.error());
-  auto map = decode_records(*payload);
+  const auto container = open_container(bytes, name);
+  if (!container) return tl::make_unexpected(container.error());
+  auto map = decode_records(container->payload, container->version);
   const Status status = map ? check_map(*map) : tl::make_unexpected(map.error());
   if (!status) {
     return fail(ErrorKind::bad_data, "{}: marker map that makes no sense: {}; build it again", name,

@@ -10,7 +10,7 @@
 namespace waymark {
 
 /// Version of the container and its records. A reader refuses newer ones.
-inline constexpr std::uint32_t kMapContainerVersion = 1;
+inline constexpr std::uint32_t kMapContainerVersion = 2;
 
 /// The binary map file: a container (little-endian)
 ///
@@ -19,7 +19,10 @@ inline constexpr std::uint32_t kMapContainerVersion = 1;
 ///     8 bytes   length of the payload
 ///     4 bytes   CRC32C over the three fields above and the payload
 ///     payload   records of proto/: map_header_t, map_capture_t…, then per sub-map map_submap_t,
-///               map_marker_t…; all of fixed size, in LCM's own encoding (big-endian)
+///               map_world_t, map_marker_t…; all of fixed size, in LCM's own encoding (big-endian)
+///
+/// Version 1 had no map_world_t (z is up in the facility frame alone), and wrote covariances that
+/// nobody knew as zero; it is read as such.
 ///
 /// The same map gives the same bytes; nothing in them depends on time or place.
 ///

@@ -24,13 +24,14 @@ ordered_json marker_json(const MapMarker& marker, bool with_family) {
   const Eigen::Vector3d& t = marker.world_from_marker.translation;
   const Eigen::Quaterniond& q = marker.world_from_marker.rotation;
   const double* const covariance = marker.covariance.data();
+  const ordered_json known = std::vector<double>(covariance, covariance + 36);
   return {{"id", json_of(marker.id, with_family)},
           {"family", name_of(marker.id.family)},
           {"size_m", marker.size_m},
           {"stated_size_m", marker.stated_size_m},
           {"position_m", {t.x(), t.y(), t.z()}},
           {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-          {"covariance", std::vector<double>(covariance, covariance + 36)},
+          {"covariance", marker.covariance_known() ? known : ordered_json(nullptr)},
           {"observations", marker.observations},
           {"rejected", marker.rejected},
           {"rms_px", marker.rms_px},
@@ -45,11 +46,13 @@ std::string format_submap(const SubMap& submap, bool with_family) {
   std::string text = fmt::format(
       "    {{\n"
       "      \"frame\": \"{}\",\n"
+      "      \"z_is_up\": {},\n"
       "      \"frame_sets\": {},\n"
       "      \"rms_px\": {},\n"
       "      \"rms_all_px\": {},\n"
       "      \"markers\": [\n",
-      name_of(submap.frame), submap.frame_sets, text_of(submap.rms_px), text_of(submap.rms_all_px));
+      name_of(submap.frame), submap.z_is_up, submap.frame_sets, text_of(submap.rms_px),
+      text_of(submap.rms_all_px));
   for (std::size_t i = 0; i < submap.markers.size(); ++i) {
     text += fmt::format("        {}{}\n", text_of(marker_json(submap.markers[i], with_family)),
                         i + 1 < submap.markers.size() ? "," : "");
@@ -78,6 +81,9 @@ class Place {
   }
 
   [[nodiscard]] bool has(const char* key) const { return value_->contains(key); }
+  [[nodiscard]] bool is_null(const char* key) const {
+    return has(key) && value_->at(key).is_null();
+  }
 
   [[nodiscard]] Expected<Place> at(const char* key) const {
     if (!has(key)) return wrong(fmt::format("\"{}\" is missing", key));
@@ -180,10 +186,38 @@ Expected<MarkerId> read_marker_id(const Place& place) {
   return id->read_id(*family);
 }
 
+/// As "covariance" has it, or "sigma_m" and "sigma_deg", or unknown.
+Expected<Matrix6d> read_covariance(const Place& place) {
+  constexpr double kRadiansPerDegree = 0.017453292519943295;
+  const bool by_sigmas = place.has("sigma_m") || place.has("sigma_deg");
+  Matrix6d covariance = unknown_covariance();
+  if (!by_sigmas && (!place.has("covariance") || place.is_null("covariance"))) return covariance;
+  if (!by_sigmas) {
+    const Status read = place.require("covariance", std::span(covariance.data(), 36));
+    if (!read) return tl::make_unexpected(read.error());
+    return covariance;
+  }
+  if (place.has("covariance"))
+    return place.wrong("has both a covariance and sigmas; leave one out");
+  double sigma_m = 0;
+  double sigma_deg = 0;
+  const Status read =
+      all_of({place.require("sigma_m", sigma_m), place.require("sigma_deg", sigma_deg)});
+  if (!read) return tl::make_unexpected(read.error());
+  if (!(sigma_m > 0 && sigma_m <= 10) || !(sigma_deg > 0 && sigma_deg <= 180)) {
+    return place.wrong("sigma_m is not within 0 and 10 m, or sigma_deg not within 0 and 180°");
+  }
+  const double sigma_rad = sigma_deg * kRadiansPerDegree;
+  covariance.setZero();
+  covariance.diagonal().head<3>().setConstant(sigma_m * sigma_m);
+  covariance.diagonal().tail<3>().setConstant(sigma_rad * sigma_rad);
+  return covariance;
+}
+
 Expected<MapMarker> read_marker(const Place& place) {
-  const Status known =
-      place.check_keys({"id", "family", "size_m", "stated_size_m", "position_m", "quaternion_xyzw",
-                        "covariance", "observations", "rejected", "rms_px", "verified"});
+  const Status known = place.check_keys({"id", "family", "size_m", "stated_size_m", "position_m",
+                                         "quaternion_xyzw", "covariance", "sigma_m", "sigma_deg",
+                                         "observations", "rejected", "rms_px", "verified"});
   if (!known) return tl::make_unexpected(known.error());
   const auto id = read_marker_id(place);
   if (!id) return tl::make_unexpected(id.error());
@@ -196,10 +230,12 @@ Expected<MapMarker> read_marker(const Place& place) {
       {place.require("size_m", marker.size_m),
        place.require("position_m", std::span(position.data(), 3)),
        place.require("quaternion_xyzw", std::span(quaternion.data(), 4)),
-       place.allow("covariance", std::span(marker.covariance.data(), 36)),
        place.allow("observations", marker.observations), place.allow("rejected", marker.rejected),
        place.allow("rms_px", marker.rms_px), place.allow("verified", marker.verified)});
   if (!read) return tl::make_unexpected(read.error());
+  const auto covariance = read_covariance(place);
+  if (!covariance) return tl::make_unexpected(covariance.error());
+  marker.covariance = *covariance;
   marker.stated_size_m = marker.size_m;
   const Status stated = place.allow("stated_size_m", marker.stated_size_m);
   if (!stated) return tl::make_unexpected(stated.error());
@@ -213,7 +249,8 @@ Expected<MapMarker> read_marker(const Place& place) {
 }
 
 Expected<SubMap> read_submap(const Place& place) {
-  const Status known = place.check_keys({"frame", "frame_sets", "rms_px", "rms_all_px", "markers"});
+  const Status known =
+      place.check_keys({"frame", "z_is_up", "frame_sets", "rms_px", "rms_all_px", "markers"});
   if (!known) return tl::make_unexpected(known.error());
   SubMap submap;
   std::string frame = kFrameNames[0];
@@ -227,6 +264,10 @@ Expected<SubMap> read_submap(const Place& place) {
         fmt::format("frame \"{}\" is not one of {}", frame, fmt::join(kFrameNames, ", ")));
   }
   submap.frame = static_cast<FrameKind>(name - kFrameNames.begin());
+  submap.z_is_up = submap.frame == FrameKind::facility;
+  if (const auto up = place.allow("z_is_up", submap.z_is_up); !up) {
+    return tl::make_unexpected(up.error());
+  }
   const auto markers = place.at("markers");
   if (!markers) return tl::make_unexpected(markers.error());
   const auto elements = markers->elements();

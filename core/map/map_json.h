@@ -13,17 +13,20 @@ namespace waymark {
 ///
 ///     {"schema": 1, "builder_version", "content_hash", "rig_fingerprint",
 ///      "capture_fingerprints": [], "submaps": [{"frame": "arbitrary" | "scaled" | "facility",
-///        "frame_sets", "rms_px", "rms_all_px", "markers": [{"id": 12, or "tag36h11:12" where
+///        "z_is_up", "frame_sets", "rms_px", "rms_all_px", "markers": [{"id": 12, or "tag36h11:12"
+///        where
 ///          several families meet; "family", "size_m", "stated_size_m", "position_m": [x, y, z],
-///          "quaternion_xyzw": [x, y, z, w], "covariance": [36, row-major], "observations",
-///          "rejected", "rms_px", "verified"}]}]}
+///          "quaternion_xyzw": [x, y, z, w], "covariance": [36, row-major] or null where unknown,
+///          "observations", "rejected", "rms_px", "verified"}]}]}
 ///
 /// `map` must be one that check_map accepts (checked).
 [[nodiscard]] std::string format_map_json(const MarkerMap& map);
 
 /// Reads that form, or a map measured by hand: only schema, submaps, markers, id, family, size_m,
-/// position_m and quaternion_xyzw must be there. Left out, covariances are zero, counts and RMS 0,
-/// the stated size is the size, the frame arbitrary, and a marker counts as verified, for somebody
+/// position_m and quaternion_xyzw must be there. In a covariance's place "sigma_m" and "sigma_deg"
+/// may say how sure each coordinate, and the turn about each axis, was measured; without any of
+/// them it is unknown. Left out, counts and RMS are 0, the stated size is the size, the frame
+/// arbitrary, z up in the facility frame alone, and a marker counts as verified, for somebody
 /// measured it. Quaternions are normalized, sub-maps and markers sorted; content_hash is not read,
 /// for the content may have been edited. `name` stands for the path in messages. bad_data, with the
 /// place in the file, for what is no JSON, unknown keys, a newer schema, values of the wrong kind,

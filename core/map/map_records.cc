@@ -6,11 +6,16 @@
 #include <waymark/map_header_t.hpp>
 #include <waymark/map_marker_t.hpp>
 #include <waymark/map_submap_t.hpp>
+#include <waymark/map_world_t.hpp>
 
 #include "core/base/check.h"
 
 namespace waymark {
 namespace {
+
+/// From this container version on a map_world_t follows every map_submap_t, and NaN stands for a
+/// covariance that nobody knows.
+constexpr std::uint32_t kWorldRecords = 2;
 
 /// Every record is of fixed size, so that any record's size is its type's.
 template <typename Record>
@@ -75,7 +80,9 @@ map_marker_t record_of(const MapMarker& marker) {
   Eigen::Vector3d::Map(record.position_in_world_m) = marker.world_from_marker.translation;
   Eigen::Vector4d::Map(record.world_from_marker_xyzw) = marker.world_from_marker.rotation.coeffs();
   // Symmetric, so that row-major and column-major are one; the lower half is what is stored.
-  Matrix6d::Map(record.covariance) = marker.covariance.selfadjointView<Eigen::Lower>();
+  Matrix6d::Map(record.covariance) =
+      marker.covariance_known() ? Matrix6d(marker.covariance.selfadjointView<Eigen::Lower>())
+                                : unknown_covariance();
   record.observations = static_cast<std::int32_t>(marker.observations);
   record.rejected = static_cast<std::int32_t>(marker.rejected);
   record.rms_px = marker.rms_px;
@@ -108,7 +115,18 @@ Expected<MapMarker> marker_of(const map_marker_t& record) {
   return marker;
 }
 
-Expected<SubMap> take_submap(RecordReader& reader) {
+/// Whether z is up; a file of version 1 knows it of the facility frame alone.
+Expected<bool> take_z_is_up(RecordReader& reader, FrameKind frame, std::uint32_t version) {
+  if (version < kWorldRecords) return frame == FrameKind::facility;
+  const auto record = reader.take<map_world_t>();
+  if (!record) return tl::make_unexpected(record.error());
+  if (record->z_is_up != 0 && record->z_is_up != 1) {
+    return fail(ErrorKind::bad_data, "z_is_up is out of range");
+  }
+  return record->z_is_up == 1;
+}
+
+Expected<SubMap> take_submap(RecordReader& reader, std::uint32_t version) {
   const auto record = reader.take<map_submap_t>();
   if (!record) return tl::make_unexpected(record.error());
   if (record->frame < 0 || record->frame > static_cast<int>(FrameKind::facility)) {
@@ -123,12 +141,18 @@ Expected<SubMap> take_submap(RecordReader& reader) {
   submap.frame_sets = static_cast<std::uint32_t>(record->frame_sets);
   submap.rms_px = record->rms_px;
   submap.rms_all_px = record->rms_all_px;
+  const auto z_is_up = take_z_is_up(reader, submap.frame, version);
+  if (!z_is_up) return tl::make_unexpected(z_is_up.error());
+  submap.z_is_up = *z_is_up;
   submap.markers.reserve(static_cast<std::size_t>(record->markers));
   for (std::int32_t i = 0; i < record->markers; ++i) {
     const auto marker_record = reader.take<map_marker_t>();
     if (!marker_record) return tl::make_unexpected(marker_record.error());
     auto marker = marker_of(*marker_record);
     if (!marker) return tl::make_unexpected(marker.error());
+    if (version < kWorldRecords && marker->covariance.isZero(0)) {
+      marker->covariance = unknown_covariance();
+    }
     submap.markers.push_back(*std::move(marker));
   }
   return submap;
@@ -157,12 +181,15 @@ std::string encode_records(const MarkerMap& map) {
     record.rms_px = submap.rms_px;
     record.rms_all_px = submap.rms_all_px;
     append(bytes, record);
+    map_world_t world{};
+    world.z_is_up = static_cast<std::int8_t>(submap.z_is_up ? 1 : 0);
+    append(bytes, world);
     for (const MapMarker& marker : submap.markers) append(bytes, record_of(marker));
   }
   return bytes;
 }
 
-Expected<MarkerMap> decode_records(std::string_view payload) {
+Expected<MarkerMap> decode_records(std::string_view payload, std::uint32_t version) {
   RecordReader reader(payload);
   const auto header = reader.take<map_header_t>();
   if (!header) return tl::make_unexpected(header.error());
@@ -181,7 +208,7 @@ Expected<MarkerMap> decode_records(std::string_view payload) {
     return fail(ErrorKind::bad_data, "{} sub-maps don't fit the file", header->submaps);
   }
   for (std::int32_t i = 0; i < header->submaps; ++i) {
-    auto submap = take_submap(reader);
+    auto submap = take_submap(reader, version);
     if (!submap) return tl::make_unexpected(submap.error());
     map.submaps.push_back(*std::move(submap));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,12 @@ enum class FrameKind : std::uint8_t {
   facility = 2,   ///< origin, axes and scale of the survey
 };
 
+/// What stands for a covariance that nobody knows: NaN throughout, so that nothing can pass for
+/// sure.
+[[nodiscard]] inline Matrix6d unknown_covariance() {
+  return Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
+
 /// One mapped marker.
 struct MapMarker {
   MarkerId id;
@@ -24,16 +31,20 @@ struct MapMarker {
   Rigid3 world_from_marker;
   /// Marginal 6×6 of `world_from_marker` in the tangent order of Rigid3 (m, rad; world axes).
   /// Gauge: the mean motion of all marker positions removed; in the facility frame, the survey's.
+  /// unknown_covariance() where nobody knows.
   Matrix6d covariance = Matrix6d::Zero();
   std::uint32_t observations = 0;  ///< accepted ones
   std::uint32_t rejected = 0;      ///< rejected by the gate
   double rms_px = 0;               ///< over the corners of accepted observations
   bool verified = false;           ///< seen from at least two views that agree
+
+  [[nodiscard]] bool covariance_known() const { return covariance.allFinite(); }
 };
 
 /// Markers that hang together, in one world frame.
 struct SubMap {
   FrameKind frame = FrameKind::arbitrary;
+  bool z_is_up = false;            ///< known: levelled, or the survey's frame
   std::vector<MapMarker> markers;  ///< by rising id
   std::uint32_t frame_sets = 0;    ///< localized while building
   double rms_px = 0;               ///< over the corners of accepted observations

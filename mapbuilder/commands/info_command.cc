@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -26,9 +27,10 @@ struct Summary {
   std::vector<MarkerId> not_verified;
   std::uint64_t observations = 0;
   std::uint64_t rejected = 0;
-  Eigen::Vector3d extent_m;    ///< of the centres, along the world's axes
-  double median_sigma_m = 0;   ///< root of the position covariance's trace
-  double largest_sigma_m = 0;  ///< likewise
+  Eigen::Vector3d extent_m;              ///< of the centres, along the world's axes
+  std::optional<double> median_sigma_m;  ///< root of the position covariance's trace; of known ones
+  std::optional<double> largest_sigma_m;  ///< likewise
+  std::size_t unknown_covariances = 0;
 };
 
 Summary summarize(const SubMap& submap) {
@@ -44,9 +46,13 @@ Summary summarize(const SubMap& submap) {
     summary.rejected += marker.rejected;
     lowest = lowest.cwiseMin(marker.world_from_marker.translation);
     highest = highest.cwiseMax(marker.world_from_marker.translation);
-    sigmas_m.push_back(std::sqrt(std::max(0.0, marker.covariance.topLeftCorner<3, 3>().trace())));
+    if (marker.covariance_known()) {
+      sigmas_m.push_back(std::sqrt(std::max(0.0, marker.covariance.topLeftCorner<3, 3>().trace())));
+    }
   }
   summary.extent_m = highest - lowest;
+  summary.unknown_covariances = submap.markers.size() - sigmas_m.size();
+  if (sigmas_m.empty()) return summary;
   std::sort(sigmas_m.begin(), sigmas_m.end());
   summary.median_sigma_m = sigmas_m[sigmas_m.size() / 2];
   summary.largest_sigma_m = sigmas_m.back();
@@ -65,7 +71,9 @@ ordered_json submap_json(const SubMap& submap, bool with_family) {
   for (const MarkerId& id : summary.not_verified) {
     not_verified.push_back(json_of(id, with_family));
   }
-  ordered_json json{{"frame", name_of(submap.frame)}, {"markers", submap.markers.size()}};
+  ordered_json json{{"frame", name_of(submap.frame)},
+                    {"z_is_up", submap.z_is_up},
+                    {"markers", submap.markers.size()}};
   json["not_verified"] = std::move(not_verified);
   json["families"] = family_names(summary);
   json["sizes_m"] = summary.sizes_m;
@@ -76,8 +84,12 @@ ordered_json submap_json(const SubMap& submap, bool with_family) {
   json["rejected"] = summary.rejected;
   json["rms_px"] = submap.rms_px;
   json["rms_all_px"] = submap.rms_all_px;
-  json["median_sigma_m"] = nine_decimals(summary.median_sigma_m);
-  json["largest_sigma_m"] = nine_decimals(summary.largest_sigma_m);
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? ordered_json(nine_decimals(*value)) : ordered_json(nullptr);
+  };
+  json["median_sigma_m"] = or_null(summary.median_sigma_m);
+  json["largest_sigma_m"] = or_null(summary.largest_sigma_m);
+  json["unknown_covariances"] = summary.unknown_covariances;
   return json;
 }
 
@@ -108,21 +120,29 @@ std::string text_of_unverified(const Summary& summary, bool with_family) {
   return text + "\n";
 }
 
+std::string text_of_sigmas(const Summary& summary) {
+  const auto unknown = summary.unknown_covariances;
+  if (!summary.median_sigma_m) return "unknown: nothing may rely on this map";
+  return fmt::format("{:.2f} mm median, {:.2f} mm at most{}", 1e3 * *summary.median_sigma_m,
+                     1e3 * *summary.largest_sigma_m,
+                     unknown > 0 ? fmt::format("; unknown of {} markers", unknown) : "");
+}
+
 std::string text_of_submap(const SubMap& submap, std::size_t number, bool with_family) {
   const Summary summary = summarize(submap);
   return fmt::format(
              "\nsub-map {}\n"
-             "  frame          {}\n"
+             "  frame          {}{}\n"
              "  markers        {} of {}, sizes {} m\n"
              "  extent         {:.3f} × {:.3f} × {:.3f} m\n"
-             "  sigma          {:.2f} mm median, {:.2f} mm at most\n"
+             "  sigma          {}\n"
              "  observations   {} accepted, {} rejected, in {} frame sets\n"
              "  RMS            {:.4f} px accepted, {:.4f} px all\n",
-             number, name_of(submap.frame), submap.markers.size(),
-             fmt::join(family_names(summary), ", "), fmt::join(summary.sizes_m, ", "),
-             summary.extent_m.x(), summary.extent_m.y(), summary.extent_m.z(),
-             1e3 * summary.median_sigma_m, 1e3 * summary.largest_sigma_m, summary.observations,
-             summary.rejected, submap.frame_sets, submap.rms_px, submap.rms_all_px) +
+             number, name_of(submap.frame), submap.z_is_up ? ", z is up" : "",
+             submap.markers.size(), fmt::join(family_names(summary), ", "),
+             fmt::join(summary.sizes_m, ", "), summary.extent_m.x(), summary.extent_m.y(),
+             summary.extent_m.z(), text_of_sigmas(summary), summary.observations, summary.rejected,
+             submap.frame_sets, submap.rms_px, submap.rms_all_px) +
          text_of_unverified(summary, with_family);
 }
 

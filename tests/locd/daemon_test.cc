@@ -14,7 +14,7 @@
 #include "core/base/descriptor.h"
 #include "core/capture/capture_folder.h"
 #include "core/map/map_file.h"
-#include "locd/quarantine.h"
+#include "core/map/quarantine.h"
 #include "tests/support/fake_camera.h"
 #include "tests/support/small_map.h"
 #include "tests/support/temporary_folder.h"
@@ -350,6 +350,16 @@ TEST_F(DaemonTest, RecordsOnRequest) {
   ASSERT_TRUE(capture) << capture.error().message;
   EXPECT_GE(capture->images.size(), 8U);
   EXPECT_THAT(request("shutdown"), HasSubstr("error"));
+}
+
+TEST_F(DaemonTest, YawIsToldWhereTheMapSaysThatItsZIsUp) {
+  start();
+  EXPECT_FALSE(daemon_->telemetry().session().world_z_is_up);
+  MarkerMap levelled = test::small_map();
+  levelled.submaps[0].z_is_up = true;
+  ASSERT_TRUE(write_map_file(tmp_.path() / "hall.map", levelled));
+  daemon_->reload();
+  EXPECT_TRUE(turn_until([&] { return daemon_->telemetry().session().world_z_is_up; }));
 }
 
 TEST_F(DaemonTest, TheQuarantineOfItsMapIsKnownAgain) {

@@ -56,6 +56,24 @@ TEST(Localizer, IsTheSameEveryTime) {
   }
 }
 
+TEST(Localizer, OnMarkersOfUnknownUncertaintyNoPoseIsOk) {
+  RoomDrive drive(test::make_room(usual(30)));
+  MarkerMap map = test::room_map(drive.room());
+  for (MapMarker& marker : map.submaps[0].markers) marker.covariance = unknown_covariance();
+  Localizer localizer(drive.room().rig, map, {});
+  PoseEstimate estimate;
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    localizer.localize(drive.set(i), estimate);
+    EXPECT_EQ(estimate.status, PoseStatus::degraded) << i;
+    EXPECT_NE(estimate.reasons & bit(PoseReason::sigma), 0U) << i;
+    // The best estimate there is, said to be no better than what it rests on.
+    const Vector6d error = estimate.world_from_rig.minus(drive.room().world_from_rig[i]);
+    EXPECT_LT(error.head<3>().norm(), 0.05);
+    EXPECT_GT(std::sqrt(estimate.covariance.topLeftCorner<3, 3>().trace()), 0.02);
+    EXPECT_EQ(estimate.outliers, 0);
+  }
+}
+
 TEST(Localizer, WithoutMappedMarkersEveryEstimateIsNaN) {
   RoomDrive drive(test::make_room(usual(3)));
   MarkerMap map = test::room_map(drive.room());

@@ -92,6 +92,12 @@ TEST(MapCheck, CovariancesAreSymmetricAndPositiveSemidefinite) {
               HasSubstr("not positive semidefinite"));
   EXPECT_THAT(marker_verdict([](MapMarker& m) { m.covariance(2, 2) = std::nan(""); }),
               HasSubstr("not finite"));
+  EXPECT_EQ(marker_verdict([](MapMarker& m) { m.covariance = unknown_covariance(); }), "fine");
+  EXPECT_THAT(marker_verdict([](MapMarker& m) {
+                m.covariance = unknown_covariance();
+                m.covariance(0, 0) = 1;
+              }),
+              HasSubstr("not finite"));
 }
 
 TEST(MapCheck, CountsAndRmsAreInRange) {
@@ -114,6 +120,8 @@ TEST(MapCheck, DescriptionIsInOrder) {
               HasSubstr("more markers than the one before"));
   EXPECT_THAT(verdict([](MarkerMap& map) { map.submaps[0].frame = static_cast<FrameKind>(3); }),
               HasSubstr("unknown kind of frame 3"));
+  EXPECT_THAT(verdict([](MarkerMap& map) { map.submaps[0].frame = FrameKind::facility; }),
+              HasSubstr("z is not up"));
   EXPECT_THAT(verdict([](MarkerMap& map) { map.rig_fingerprint = "0123"; }),
               HasSubstr("rig fingerprint"));
   EXPECT_THAT(verdict([](MarkerMap& map) { map.rig_fingerprint[3] = 'X'; }),

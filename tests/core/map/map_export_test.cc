@@ -34,6 +34,12 @@ TEST(MapExport, CsvHoldsOneMarkerPerLine) {
       "0.000000000,1.000000000,0.001,0.00141,0.00173,0.000632,0.000707,0.000775,13,1,0.2500,1\n");
 }
 
+TEST(MapExport, CsvLeavesUnknownDeviationsEmpty) {
+  SubMap submap = one_marker();
+  submap.markers[0].covariance = unknown_covariance();
+  EXPECT_THAT(format_submap_csv(submap, false), HasSubstr("1.000000000,,,,,,,13,1,0.2500,1\n"));
+}
+
 TEST(MapExport, PlyHoldsASquarePerMarker) {
   const std::string text = format_submap_ply(one_marker());
   EXPECT_THAT(text, StartsWith("ply\nformat ascii 1.0\nelement vertex 4\n"));

@@ -9,6 +9,7 @@
 #include <waymark/map_header_t.hpp>
 #include <waymark/map_marker_t.hpp>
 #include <waymark/map_submap_t.hpp>
+#include <waymark/map_world_t.hpp>
 
 #include "tests/support/small_map.h"
 #include "tests/support/temporary_folder.h"
@@ -39,7 +40,7 @@ std::string refusal(const std::string& bytes) {
 }
 
 /// A container with a right checksum around `payload`, written by another hand.
-std::string container(const std::string& payload, std::uint32_t version = 1) {
+std::string container(const std::string& payload, std::uint32_t version = 2) {
   std::string bytes = "WAYMARK\n";
   const auto put = [&](std::uint64_t value, int size) {
     for (int i = 0; i < size; ++i, value >>= 8) bytes += static_cast<char>(value & 0xFF);
@@ -64,6 +65,7 @@ std::string record_bytes(const Record& record) {
 struct OneMarker {
   map_header_t header{};
   map_submap_t submap{};
+  map_world_t world{};
   map_marker_t marker{};
 
   OneMarker() {
@@ -75,7 +77,11 @@ struct OneMarker {
     marker.world_from_marker_xyzw[3] = 1;
   }
   [[nodiscard]] std::string file() const {
-    return container(record_bytes(header) + record_bytes(submap) + record_bytes(marker));
+    return container(record_bytes(header) + record_bytes(submap) + record_bytes(world) +
+                     record_bytes(marker));
+  }
+  [[nodiscard]] std::string file_of_version_1() const {
+    return container(record_bytes(header) + record_bytes(submap) + record_bytes(marker), 1);
   }
 };
 
@@ -86,6 +92,7 @@ void expect_same(const MarkerMap& a, const MarkerMap& b) {
   ASSERT_EQ(a.submaps.size(), b.submaps.size());
   for (std::size_t s = 0; s < a.submaps.size(); ++s) {
     EXPECT_EQ(a.submaps[s].frame, b.submaps[s].frame);
+    EXPECT_EQ(a.submaps[s].z_is_up, b.submaps[s].z_is_up);
     EXPECT_EQ(a.submaps[s].frame_sets, b.submaps[s].frame_sets);
     EXPECT_EQ(a.submaps[s].rms_px, b.submaps[s].rms_px);
     EXPECT_EQ(a.submaps[s].rms_all_px, b.submaps[s].rms_all_px);
@@ -127,11 +134,12 @@ TEST(MapFile, LayoutIsAsDocumented) {
   constexpr std::size_t kHeader = 8 + 4 + 4 + 32 + 16;
   constexpr std::size_t kCapture = 8 + 16;
   constexpr std::size_t kSubmap = 8 + 3 * 4 + 2 * 8;
+  constexpr std::size_t kWorld = 8 + 1;
   constexpr std::size_t kMarker = 8 + 2 * 4 + (2 + 3 + 4 + 36) * 8 + 2 * 4 + 8 + 1;
-  constexpr std::size_t kPayload = kHeader + 2 * kCapture + 2 * kSubmap + 5 * kMarker;
+  constexpr std::size_t kPayload = kHeader + 2 * kCapture + 2 * (kSubmap + kWorld) + 5 * kMarker;
   ASSERT_EQ(bytes.size(), kHeaderSize + kPayload);
   EXPECT_EQ(bytes, container(bytes.substr(kHeaderSize)));
-  EXPECT_EQ(bytes.substr(8, 4), std::string("\x01\0\0\0", 4));
+  EXPECT_EQ(bytes.substr(8, 4), std::string("\x02\0\0\0", 4));
 }
 
 TEST(MapFile, ChecksumIsCrc32c) {
@@ -159,9 +167,40 @@ TEST(MapFile, OtherFilesAreNoMaps) {
 TEST(MapFile, NewerVersionsAreNamed) {
   const std::string payload = encoded(test::small_map()).substr(kHeaderSize);
   EXPECT_EQ(refusal(container(payload)), "accepted");
-  EXPECT_THAT(refusal(container(payload, 2)),
-              AllOf(HasSubstr("version 2, newer than version 1"), HasSubstr("update Waymark")));
+  EXPECT_THAT(refusal(container(payload, 3)),
+              AllOf(HasSubstr("version 3, newer than version 2"), HasSubstr("update Waymark")));
   EXPECT_THAT(refusal(container(payload, 0)), HasSubstr("damaged"));
+}
+
+TEST(MapFile, AFileOfVersion1IsReadAsItWasMeant) {
+  OneMarker old;
+  const auto map = decode_map(old.file_of_version_1(), "a.map");
+  ASSERT_TRUE(map) << map.error().message;
+  EXPECT_FALSE(map->submaps[0].markers[0].covariance_known()) << "zero stood for unknown";
+  EXPECT_FALSE(map->submaps[0].z_is_up);
+  old.submap.frame = static_cast<int>(FrameKind::facility);
+  old.marker.covariance[0] = 1e-6;
+  const auto surveyed = decode_map(old.file_of_version_1(), "a.map");
+  ASSERT_TRUE(surveyed) << surveyed.error().message;
+  EXPECT_TRUE(surveyed->submaps[0].z_is_up);
+  EXPECT_EQ(surveyed->submaps[0].markers[0].covariance(0, 0), 1e-6);
+  // Written again it is of the present version.
+  EXPECT_EQ(encoded(*surveyed).substr(8, 4), std::string("\x02\0\0\0", 4));
+  EXPECT_THAT(refusal(container(old.file().substr(kHeaderSize), 1)), HasSubstr("no map_marker_t"));
+}
+
+TEST(MapFile, UnknownCovariancesStayUnknownAndExactOnesExact) {
+  MarkerMap map = test::small_map();
+  map.submaps[0].markers[0].covariance = unknown_covariance();
+  map.submaps[0].markers[1].covariance.setZero();
+  map.submaps[1].z_is_up = true;
+  const auto back = decode_map(encoded(map), "a.map");
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_FALSE(back->submaps[0].markers[0].covariance_known());
+  EXPECT_TRUE(back->submaps[0].markers[1].covariance.isZero(0));
+  EXPECT_FALSE(back->submaps[0].z_is_up);
+  EXPECT_TRUE(back->submaps[1].z_is_up);
+  EXPECT_EQ(encoded(*back), encoded(map)) << "NaN has one form in files";
 }
 
 TEST(MapFile, EveryTruncationIsRefused) {
@@ -231,6 +270,9 @@ TEST(MapFile, SenselessRecordsAreRefused) {
   map = {};
   map.marker.observations = -1;
   EXPECT_THAT(refusal(map.file()), HasSubstr("observations"));
+  map = {};
+  map.world.z_is_up = 2;
+  EXPECT_THAT(refusal(map.file()), HasSubstr("z_is_up"));
   map = {};
   map.submap.frame = 3;
   EXPECT_THAT(refusal(map.file()), HasSubstr("unknown kind of frame 3"));

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/map/map_file.h"
 #include "tests/support/small_map.h"
 
@@ -51,6 +53,7 @@ TEST(MapJson, GoldenForm) {
   "submaps": [
     {
       "frame": "scaled",
+      "z_is_up": false,
       "frame_sets": 42,
       "rms_px": 0.3125,
       "rms_all_px": 0.5,
@@ -96,7 +99,8 @@ TEST(MapJson, AMapMeasuredByHandIsShort) {
   EXPECT_EQ(marker.stated_size_m, 0.2);
   EXPECT_EQ(marker.world_from_marker.translation, Eigen::Vector3d(1, 2.5, 0));
   EXPECT_NEAR(marker.world_from_marker.rotation.norm(), 1, 1e-15);
-  EXPECT_TRUE(marker.covariance.isZero(0));
+  EXPECT_FALSE(marker.covariance_known());
+  EXPECT_FALSE(submap.z_is_up);
   EXPECT_TRUE(marker.verified);
   EXPECT_EQ(marker.observations, 0U);
   EXPECT_TRUE(encode_map(*map));
@@ -111,6 +115,32 @@ TEST(MapJson, SubmapsAndMarkersAreSorted) {
   ASSERT_TRUE(map) << map.error().message;
   EXPECT_EQ(map->submaps[0].markers.size(), 2U);
   EXPECT_EQ(map->submaps[1].frame, FrameKind::facility);
+  EXPECT_TRUE(map->submaps[1].z_is_up) << "the facility's z is up unless somebody says otherwise";
+}
+
+TEST(MapJson, SigmasStandForACovarianceOfAMapMeasuredByHand) {
+  const auto map =
+      parse_map_json(replaced(kByHand, R"("position_m": [1, 2.5, 0])",
+                              R"("position_m": [1, 2.5, 0], "sigma_m": 0.005, "sigma_deg": 0.5)"),
+                     "map.json");
+  ASSERT_TRUE(map) << map.error().message;
+  const auto& markers = map->submaps[0].markers;
+  EXPECT_FALSE(markers[0].covariance_known());
+  ASSERT_TRUE(markers[1].covariance_known());
+  EXPECT_NEAR(markers[1].covariance(2, 2), 25e-6, 1e-15);
+  EXPECT_NEAR(std::sqrt(markers[1].covariance(4, 4)), 0.5 * 3.14159265358979 / 180, 1e-12);
+  EXPECT_EQ(markers[1].covariance(0, 1), 0);
+}
+
+TEST(MapJson, UnknownCovariancesAreNullAndStayUnknown) {
+  MarkerMap map = test::small_map();
+  map.submaps[0].markers[0].covariance = unknown_covariance();
+  map.submaps[1].z_is_up = true;
+  const std::string text = format_map_json(map);
+  EXPECT_THAT(text, HasSubstr(R"("covariance":null)"));
+  const auto back = parse_map_json(text, "map.json");
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(*encode_map(*back), *encode_map(map));
 }
 
 struct BadJson {
@@ -133,6 +163,15 @@ TEST_P(BadMapJson, IsRefusedWithPlaceAndReason) {
 INSTANTIATE_TEST_SUITE_P(
     MapJson, BadMapJson,
     ::testing::Values(
+        BadJson{"\"size_m\": 0.2,", "\"size_m\": 0.2, \"sigma_m\": 0.01,",
+                "\"sigma_deg\" is missing"},
+        BadJson{"\"size_m\": 0.2,", "\"size_m\": 0.2, \"sigma_m\": 0, \"sigma_deg\": 1,",
+                "sigma_m is not within"},
+        BadJson{"\"size_m\": 0.2,",
+                "\"size_m\": 0.2, \"sigma_m\": 1, \"sigma_deg\": 1, \"covariance\": null,",
+                "both a covariance and sigmas"},
+        BadJson{"\"submaps\": [{", "\"submaps\": [{\"frame\": \"facility\", \"z_is_up\": false,",
+                "z is not up"},
         BadJson{"\"schema\": 1", "\"schema\": 2", "schema 2 is not 1"},
         BadJson{"\"schema\": 1", "\"schema\": 0", "schema 0 is not 1"},
         BadJson{"\"schema\": 1", "\"schema\": \"1\"", "schema: is no count"},

@@ -29,7 +29,7 @@ class InfoCommand : public ::testing::Test {
 TEST_F(InfoCommand, JsonIsAsInTheGoldenFile) {
   EXPECT_EQ(info(true), R"({
   "schema": 1,
-  "container_version": 1,
+  "container_version": 2,
   "content_hash": ")" + hash_ +
                             R"(",
   "builder_version": "0.1.0",
@@ -41,6 +41,7 @@ TEST_F(InfoCommand, JsonIsAsInTheGoldenFile) {
   "submaps": [
     {
       "frame": "scaled",
+      "z_is_up": false,
       "markers": 3,
       "not_verified": [
         586
@@ -63,10 +64,12 @@ TEST_F(InfoCommand, JsonIsAsInTheGoldenFile) {
       "rms_px": 0.3125,
       "rms_all_px": 0.5,
       "median_sigma_m": 0.00244949,
-      "largest_sigma_m": 0.00244949
+      "largest_sigma_m": 0.00244949,
+      "unknown_covariances": 0
     },
     {
       "frame": "arbitrary",
+      "z_is_up": false,
       "markers": 2,
       "not_verified": [],
       "families": [
@@ -86,7 +89,8 @@ TEST_F(InfoCommand, JsonIsAsInTheGoldenFile) {
       "rms_px": 0.25,
       "rms_all_px": 0.25,
       "median_sigma_m": 0.00244949,
-      "largest_sigma_m": 0.00244949
+      "largest_sigma_m": 0.00244949,
+      "unknown_covariances": 0
     }
   ]
 }
@@ -117,6 +121,23 @@ TEST_F(InfoCommand, TextIsAsInTheGoldenFile) {
                              "  sigma          2.45 mm median, 2.45 mm at most\n"
                              "  observations   27 accepted, 2 rejected, in 5 frame sets\n"
                              "  RMS            0.2500 px accepted, 0.2500 px all\n");
+}
+
+TEST_F(InfoCommand, SaysWhatIsUnknownAndThatZIsUp) {
+  MarkerMap map = test::small_map();
+  map.submaps[0].z_is_up = true;
+  map.submaps[0].markers[1].covariance = unknown_covariance();
+  for (MapMarker& marker : map.submaps[1].markers) marker.covariance = unknown_covariance();
+  const auto path = folder_.path() / "unknown.map";
+  ASSERT_TRUE(write_map_file(path, map));
+  std::ostringstream text;
+  ASSERT_TRUE(run_info({path, false}, text));
+  EXPECT_NE(text.str().find("scaled, z is up"), std::string::npos) << text.str();
+  EXPECT_NE(text.str().find("2.45 mm at most; unknown of 1 markers"), std::string::npos);
+  EXPECT_NE(text.str().find("unknown: nothing may rely on this map"), std::string::npos);
+  std::ostringstream json;
+  ASSERT_TRUE(run_info({path, true}, json));
+  EXPECT_NE(json.str().find("\"largest_sigma_m\": null"), std::string::npos) << json.str();
 }
 
 TEST_F(InfoCommand, UnreadableMapsSayNothingOnStdout) {

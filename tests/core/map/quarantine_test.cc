@@ -1,7 +1,9 @@
-#include "locd/quarantine.h"
+#include "core/map/quarantine.h"
 
 #include <gtest/gtest.h>
 
+#include "core/map/map_file.h"
+#include "tests/support/small_map.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -51,6 +53,22 @@ TEST(Quarantine, RefusesWhatIsNone) {
     ASSERT_FALSE(read) << text;
     EXPECT_EQ(read.error().kind, ErrorKind::bad_data) << text;
     EXPECT_NE(read.error().message.find("bad.json"), std::string::npos);
+  }
+}
+
+TEST(Quarantine, OfAnotherMapIsSaidToBe) {
+  const TemporaryFolder folder;
+  const auto path = folder.path() / "q.json";
+  const MarkerMap map = test::small_map();
+  ASSERT_TRUE(write_quarantine(path, {content_hash(map), {}}));
+  EXPECT_TRUE(read_quarantine_of(path, map, "hall.map"));
+  ASSERT_TRUE(write_quarantine(path, {"00000000000000ff", {}}));
+  const auto foreign = read_quarantine_of(path, map, "hall.map");
+  ASSERT_FALSE(foreign);
+  EXPECT_EQ(foreign.error().kind, ErrorKind::bad_data);
+  for (const std::string& part : {std::string("00000000000000ff"), content_hash(map),
+                                  std::string("hall.map"), std::string("q.json")}) {
+    EXPECT_NE(foreign.error().message.find(part), std::string::npos) << foreign.error().message;
   }
 }
 

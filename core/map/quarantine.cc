@@ -1,4 +1,4 @@
-#include "locd/quarantine.h"
+#include "core/map/quarantine.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,6 +6,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/map/json_value.h"
+#include "core/map/map_file.h"
 
 namespace waymark {
 namespace {
@@ -60,6 +61,18 @@ Expected<Quarantine> read_quarantine(const std::filesystem::path& path) {
                 path.string(), error.what());
   }
   return quarantine;
+}
+
+Expected<Quarantine> read_quarantine_of(const std::filesystem::path& path, const MarkerMap& map,
+                                        const std::filesystem::path& map_path) {
+  auto quarantine = read_quarantine(path);
+  if (!quarantine) return quarantine;
+  const std::string hash = content_hash(map);
+  if (quarantine->map_hash == hash) return quarantine;
+  return fail(ErrorKind::bad_data,
+              "{}: belongs to map {}, but {} is map {}: what has moved against one says nothing of "
+              "the other; name the map that the vehicle used",
+              path.string(), quarantine->map_hash, map_path.string(), hash);
 }
 
 Status write_quarantine(const std::filesystem::path& path, const Quarantine& quarantine) {

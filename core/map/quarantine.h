@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/map/marker_map.h"
 #include "core/marker/marker_id.h"
 
 namespace waymark {
@@ -33,6 +34,12 @@ struct Quarantine {
 
 /// Reads it. no_input when absent; bad_data for anything else than that form.
 [[nodiscard]] Expected<Quarantine> read_quarantine(const std::filesystem::path& path);
+
+/// The same, and it must belong to `map` (read from `map_path`): bad_data, naming both, when a
+/// vehicle made it against another.
+[[nodiscard]] Expected<Quarantine> read_quarantine_of(const std::filesystem::path& path,
+                                                      const MarkerMap& map,
+                                                      const std::filesystem::path& map_path);
 
 /// Writes atomically. Errors of write_file_atomically.
 [[nodiscard]] Status write_quarantine(const std::filesystem::path& path,
