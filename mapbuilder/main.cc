@@ -116,6 +116,8 @@ Command add_build(CLI::App& app, Progress& progress) {
   sub->add_option("--refined-rig", options->refined_rig,
                   "where a refined rig is written; default: MAP with .yaml, numbered if several");
   sub->add_option("--frame-of", options->frame_of, "keep the world of this earlier map");
+  sub->add_option("--quarantine", options->quarantine,
+                  "quarantine.json of a vehicle: what it found moved does not carry the world");
   static const std::map<std::string, LevelBy> levels{{"floor", LevelBy::floor},
                                                      {"walls", LevelBy::walls}};
   sub->add_option("--level", options->level, "z up by markers on the floor, or on walls")
@@ -124,7 +126,10 @@ Command add_build(CLI::App& app, Progress& progress) {
   sub->add_flag("--strict", options->strict, "several sub-maps are an error");
   add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);
-  return [options, &progress] { return run_build(*options, progress, std::cout, std::cerr); };
+  return [options, &progress] {
+    options->input.survey_given = options->survey.has_value();
+    return run_build(*options, progress, std::cout, std::cerr);
+  };
 }
 
 Command add_localize(CLI::App& app, Progress& progress) {
@@ -134,6 +139,8 @@ Command add_localize(CLI::App& app, Progress& progress) {
       ->required();
   sub->add_option("--map", options->map, "map file")->required();
   sub->add_option("--trajectory", options->trajectory, "poses to write (TUM)")->required();
+  sub->add_option("--quarantine", options->quarantine,
+                  "quarantine.json of a vehicle: what it found moved is left out");
   sub->add_flag("--mono", options->mono, "every image a frame of its own");
   add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);

@@ -7,9 +7,11 @@
 #include "core/base/atomic_file.h"
 #include "core/camera/kalibr.h"
 #include "core/map/map_file.h"
+#include "core/map/quarantine.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
 #include "mapbuilder/diagnosis/frame_findings.h"
+#include "mapbuilder/diagnosis/quarantine_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
@@ -105,24 +107,49 @@ std::vector<CaptureTruth> read_truths(const std::vector<DetectedCapture>& captur
   return truths;
 }
 
-/// Lays the result into the world of an earlier map, its first sub-map into the first that fits;
-/// says what moved, appeared and vanished.
-std::vector<Finding> take_frame_of(const MarkerMap& earlier, BuildResult& result) {
+/// Lays the result into the world of an earlier map, its first sub-map into the first that fits,
+/// by markers that are not in quarantine; nullopt when none fits.
+std::optional<FrameComparison> take_frame_of(const MarkerMap& earlier,
+                                             const std::optional<Quarantine>& quarantine,
+                                             BuildResult& result) {
+  const std::set<MarkerId> suspects =
+      quarantine ? moved_markers(*quarantine) : std::set<MarkerId>{};
   for (const SubMap& old : earlier.submaps) {
-    const auto comparison = compare_frames(result.submaps.front().map, old);
+    const auto comparison = compare_frames(result.submaps.front().map, old, suspects);
     if (!comparison) continue;
     move_world(result.submaps.front(), comparison->old_from_new);
     result.submaps.front().map.frame = old.frame;
+    result.submaps.front().map.z_is_up = old.z_is_up;
     result.map.submaps.front() = result.submaps.front().map;
-    return frame_findings(*comparison);
+    return comparison;
   }
-  return {frame_not_found()};
+  return std::nullopt;
 }
 
-/// Turns every sub-map so that z points up. Error: bad_data where the markers don't tell.
+/// What an earlier map and a vehicle's quarantine lead to: the world kept, and findings.
+std::vector<Finding> take_over(const std::optional<MarkerMap>& earlier,
+                               const std::optional<Quarantine>& quarantine, BuildResult& result) {
+  std::vector<Finding> findings;
+  std::optional<FrameComparison> comparison;
+  if (earlier) {
+    comparison = take_frame_of(*earlier, quarantine, result);
+    findings = comparison ? frame_findings(*comparison) : std::vector{frame_not_found()};
+  }
+  if (quarantine) {
+    for (Finding& finding :
+         quarantine_findings(*quarantine, result, comparison ? &*comparison : nullptr)) {
+      findings.push_back(std::move(finding));
+    }
+  }
+  return findings;
+}
+
+/// Turns every sub-map so that z points up, but for those in the survey's frame, whose z is up.
+/// Error: bad_data where the markers don't tell.
 Status level_maps(LevelBy by, const ObservationTable& table, BuildResult& result) {
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     BuiltSubMap& submap = result.submaps[i];
+    if (submap.map.z_is_up) continue;
     const auto level = level_world(submap, by, camera_up_in_world(submap, table));
     if (!level) {
       return fail(ErrorKind::bad_data,
@@ -131,6 +158,7 @@ Status level_maps(LevelBy by, const ObservationTable& table, BuildResult& result
                   i, submap.map.markers.size());
     }
     move_world(submap, *level);
+    submap.map.z_is_up = true;
     result.map.submaps[i] = submap.map;
   }
   return {};
@@ -166,6 +194,13 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     if (!map) return tl::make_unexpected(map.error());
     earlier = *std::move(map);
   }
+  std::optional<Quarantine> quarantine;
+  if (options.quarantine) {
+    auto read = earlier ? read_quarantine_of(*options.quarantine, *earlier, *options.frame_of)
+                        : read_quarantine(*options.quarantine);
+    if (!read) return tl::make_unexpected(read.error());
+    quarantine = *std::move(read);
+  }
   if (options.survey) {
     auto survey = read_survey(*options.survey, only_family_of(*table));
     if (!survey) return tl::make_unexpected(survey.error());
@@ -182,9 +217,9 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 options.input.paths.front().string(), table->frame_sets.size(),
                 table->observations.size());
   }
-  std::vector<Finding> findings = calibration_findings(result, build);
-  if (earlier) {
-    for (Finding& finding : take_frame_of(*earlier, result)) findings.push_back(std::move(finding));
+  std::vector<Finding> findings = calibration_findings(result, *table, build);
+  for (Finding& finding : take_over(earlier, quarantine, result)) {
+    findings.push_back(std::move(finding));
   }
   if (options.level) {
     if (auto levelled = level_maps(*options.level, *table, result); !levelled) return levelled;
@@ -209,8 +244,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   if (auto written = write_map_file(options.output, result.map); !written) return written;
   const bool refined = options.build.refine.extrinsics || options.build.refine.intrinsics;
-  const auto& calibration = result.submaps.front().calibration;
-  if (refined && calibration && calibration->applied) {
+  if (refined && result.calibration.refined) {
     if (auto written = write_refined_rigs(options, *table, out); !written) return written;
   }
   if (options.trajectory) {

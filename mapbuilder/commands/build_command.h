@@ -15,7 +15,7 @@ namespace waymark {
 
 /// `mapbuilder build CAPTURE... -o MAP [--trajectory RIG.tum] [--report DIR] [--mono] [--threads N]
 /// [--survey FILE] [--refine extrinsics,intrinsics,sizes] [--refined-rig FILE]
-/// [--frame-of MAP] [--level floor|walls] [--strict]
+/// [--frame-of MAP] [--quarantine FILE] [--level floor|walls] [--strict]
 /// [--redetect] [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`, or with
 /// `VIDEO... --rig FILE --markers FILE [--every N] [--sync]` in the captures' place
 struct BuildCommandOptions {
@@ -26,6 +26,7 @@ struct BuildCommandOptions {
   std::optional<std::filesystem::path> survey;       ///< survey.toml
   std::optional<std::filesystem::path> refined_rig;  ///< camchain to write; default beside the map
   std::optional<std::filesystem::path> frame_of;     ///< an earlier map whose world is kept
+  std::optional<std::filesystem::path> quarantine;   ///< a vehicle's quarantine.json
   std::optional<LevelBy> level;                      ///< what makes z point up
   bool mono = false;
   bool strict = false;  ///< several sub-maps are an error and nothing is written

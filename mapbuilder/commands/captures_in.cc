@@ -64,7 +64,7 @@ Expected<std::vector<DetectedCapture>> take_captures_in(const CaptureInput& inpu
     auto folder = open_capture(path);
     if (!folder) return tl::make_unexpected(folder.error());
     print_notes(folder->notes, notes);
-    if (folder->survey_toml) {
+    if (folder->survey_toml && !input.survey_given) {
       fmt::print(notes, "note: {0}: used only when asked for: --survey {0}\n",
                  folder->survey_toml->string());
     }

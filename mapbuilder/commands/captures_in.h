@@ -19,6 +19,7 @@ struct CaptureInput {
   std::optional<std::filesystem::path> markers_toml;  ///< likewise
   VideoOptions video;
   DetectCaptureOptions detect;
+  bool survey_given = false;  ///< else a capture's own survey is said not to be used
 };
 
 /// Opens captures or videos and makes or reads their detections; what the user should know goes to

@@ -1,18 +1,49 @@
 #include "mapbuilder/commands/localize_command.h"
 
 #include <fmt/ostream.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 
 #include "core/map/map_file.h"
+#include "core/map/quarantine.h"
 #include "mapbuilder/mapping/relocalization.h"
 #include "mapbuilder/mapping/trajectory_file.h"
 
 namespace waymark {
+namespace {
+
+/// Takes the markers that a vehicle found moved out of the map.
+void leave_out(const Quarantine& quarantine, MarkerMap& map, std::ostream& notes) {
+  std::vector<std::string> left_out;
+  const bool with_family = map.several_families();
+  for (SubMap& submap : map.submaps) {
+    std::erase_if(submap.markers, [&](const MapMarker& marker) {
+      const bool moved = std::any_of(quarantine.markers.begin(), quarantine.markers.end(),
+                                     [&](const QuarantinedMarker& quarantined) {
+                                       return quarantined.marker == marker.id &&
+                                              quarantined.state == QuarantineState::moved;
+                                     });
+      if (moved) left_out.push_back(format_marker_id(marker.id, with_family));
+      return moved;
+    });
+  }
+  fmt::print(notes, "note: {} markers left out, the vehicle found them moved{}{}\n",
+             left_out.size(), left_out.empty() ? "" : ": ", fmt::join(left_out, ", "));
+}
+
+}  // namespace
 
 Status run_localize(const LocalizeOptions& options, Progress& progress, std::ostream& out,
                     std::ostream& notes) {
   if (auto writable = check_writable(options.trajectory); !writable) return writable;
-  const auto map = read_map_file(options.map);
+  auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
+  if (options.quarantine) {
+    const auto quarantine = read_quarantine_of(*options.quarantine, *map, options.map);
+    if (!quarantine) return tl::make_unexpected(quarantine.error());
+    leave_out(*quarantine, *map, notes);
+  }
   auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
   auto table =

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <ostream>
 
 #include "core/base/error.h"
@@ -10,11 +11,13 @@
 
 namespace waymark {
 
-/// `mapbuilder localize CAPTURE --map MAP --trajectory OUT.tum`, or with videos as build takes them
+/// `mapbuilder localize CAPTURE --map MAP --trajectory OUT.tum [--quarantine FILE]`, or with videos
+/// as build takes them
 struct LocalizeOptions {
   CaptureInput input;
   std::filesystem::path map;
   std::filesystem::path trajectory;
+  std::optional<std::filesystem::path> quarantine;  ///< a vehicle's: moved markers take no part
   bool mono = false;
   BuildOptions build;
 };

@@ -44,8 +44,9 @@ Finding loose_parts_found() {
   finding.kind = FindingKind::covariances_unknown;
   finding.title = "Uncertainties are unknown";
   finding.evidence =
-      "The observations don't fix all markers against each other; covariances stand as zero in the "
-      "map and mean nothing.";
+      "The observations don't fix all markers against each other; the map holds no covariances, "
+      "and "
+      "locd will call no pose in it OK.";
   finding.remedy = "Record more views that see several markers at once.";
   return finding;
 }

@@ -3,30 +3,32 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 
 namespace waymark {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.29577951308232;
 
-Finding refusal(const BuiltSubMap& submap) {
+Finding refusal(const CalibrationResult& calibration) {
   Finding finding;
   finding.kind = FindingKind::refinement_refused;
   finding.title = "The refinement was refused; the map stands as without it";
-  finding.evidence = fmt::format("{}.", fmt::join(submap.calibration->refused, "; "));
+  finding.evidence = fmt::format("{}.", fmt::join(calibration.refused, "; "));
   finding.remedy =
       "Record more views: several markers in each, from many sides and distances, with turns about "
       "all axes; for the scale, measure a distance.";
   return finding;
 }
 
-Finding partial_refusal(const BuiltSubMap& submap) {
+Finding partial_refusal(const CalibrationResult& calibration) {
   Finding finding;
   finding.kind = FindingKind::refinement_refused;
   finding.title = "A part of the refinement was refused and stays as stated";
-  finding.evidence = fmt::format("{}.", fmt::join(submap.calibration->held, "; "));
+  finding.evidence = fmt::format("{}.", fmt::join(calibration.held, "; "));
   finding.remedy =
       "Record more views that several cameras share, from many sides and distances, with turns "
       "about "
@@ -43,7 +45,11 @@ constexpr double kWorthNaming_m = 0.002;
 constexpr double kWorthNaming_rad = 0.1 / kDegreesPerRadian;
 constexpr double kWorthNamingFocal = 0.002;
 
-Finding rig_misfit(const RigCamera& before, const RigCamera& after, const CameraUncertainty& sure) {
+constexpr const char* kRefinedRemedy =
+    "The map is built with what the images say; use the refined rig from now on.";
+
+Finding rig_misfit(const RigCamera& before, const RigCamera& after, const CameraUncertainty& sure,
+                   bool refined) {
   const double moved_m = (after.rig_from_cam.translation - before.rig_from_cam.translation).norm();
   const double turned_rad =
       angle_between_rad(after.rig_from_cam.rotation, before.rig_from_cam.rotation);
@@ -55,7 +61,8 @@ Finding rig_misfit(const RigCamera& before, const RigCamera& after, const Camera
       "it.",
       1e3 * moved_m, 1e3 * sure.position_m, kDegreesPerRadian * turned_rad,
       kDegreesPerRadian * sure.rotation_rad);
-  finding.remedy = "Calibrate the rig anew, or build with --refine extrinsics.";
+  finding.remedy =
+      refined ? kRefinedRemedy : "Calibrate the rig anew, or build with --refine extrinsics.";
   finding.cameras = {before.name};
   finding.figures = {
       {"moved", moved_m, "m", sure.position_m},
@@ -64,7 +71,7 @@ Finding rig_misfit(const RigCamera& before, const RigCamera& after, const Camera
 }
 
 Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
-                          const CameraUncertainty& sure, double lens_px) {
+                          const CameraUncertainty& sure, double lens_px, bool refined) {
   const CameraParameters& old_one = before.model.parameters();
   const CameraParameters& new_one = after.model.parameters();
   const double focal = new_one.fu_px / old_one.fu_px - 1.0;
@@ -80,7 +87,8 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
       "to {:.1f} px otherwise than stated{}.",
       100 * focal, 100 * sure.focal, lens_px,
       stated_straight ? ": the stated zero distortion is wrong" : "");
-  finding.remedy = "Calibrate the camera anew, or build with --refine intrinsics.";
+  finding.remedy =
+      refined ? kRefinedRemedy : "Calibrate the camera anew, or build with --refine intrinsics.";
   finding.cameras = {before.name};
   finding.figures = {{"focal length", 100 * focal, "%", 100 * sure.focal},
                      {"largest shift", lens_px, "px", {}}};
@@ -108,9 +116,9 @@ double largest_shift_px(const CameraModel& before, const CameraModel& after) {
 
 void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& findings) {
   const bool judge_extrinsics =
-      calibration.applied || calibration.extrinsics_cost_ratio < kExplainsTooLittle;
+      calibration.refined || calibration.extrinsics_cost_ratio < kExplainsTooLittle;
   const bool judge_intrinsics =
-      calibration.applied || calibration.intrinsics_cost_ratio < kExplainsTooLittle;
+      calibration.refined || calibration.intrinsics_cost_ratio < kExplainsTooLittle;
   if (calibration.rigs_fitted.empty()) return;
   const std::vector<Rig>& after = calibration.rigs_fitted;
   std::size_t index = 0;
@@ -126,7 +134,7 @@ void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& fi
       if (judge_extrinsics &&
           (moved_m > std::max(kWorthNaming_m, kSigmas * sure.position_m) ||
            turned_rad > std::max(kWorthNaming_rad, kSigmas * sure.rotation_rad))) {
-        findings.push_back(rig_misfit(stated, fitted, sure));
+        findings.push_back(rig_misfit(stated, fitted, sure, calibration.refined));
       }
       if (!judge_intrinsics || stated.model.parameters() == fitted.model.parameters()) continue;
       constexpr double kWorthNaming_px = 1.0;
@@ -134,7 +142,7 @@ void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& fi
       const double focal =
           std::abs(fitted.model.parameters().fu_px / stated.model.parameters().fu_px - 1.0);
       if (focal > std::max(kWorthNamingFocal, kSigmas * sure.focal) || shift_px > kWorthNaming_px) {
-        findings.push_back(intrinsics_misfit(stated, fitted, sure, shift_px));
+        findings.push_back(intrinsics_misfit(stated, fitted, sure, shift_px, calibration.refined));
       }
     }
   }
@@ -155,36 +163,100 @@ void name_survey(const BuiltSubMap& submap, std::vector<Finding>& findings) {
   }
 }
 
-}  // namespace
+/// What an edge that is seen further out than it is would do to the scale.
+Finding scale_bound(const BuiltSubMap& submap, const std::vector<Rig>& rigs) {
+  const double edge_px = AdjustmentScope{}.edge_bias_sigma_px;
+  constexpr double kPpm = 1e6;
+  Finding finding;
+  finding.kind = FindingKind::scale_bound;
+  finding.severity = Severity::note;
+  double alike = 0;
+  std::size_t index = 0;
+  for (const Rig& rig : rigs) {
+    for (const RigCamera& camera : rig.cameras) {
+      const double ppm = kPpm * edge_px * submap.scale_per_edge_px[index++];
+      alike += ppm;
+      finding.figures.push_back({fmt::format("{} alone", camera.name), std::abs(ppm), "ppm", {}});
+    }
+  }
+  finding.figures.insert(finding.figures.begin(), {"scale", std::abs(alike), "ppm", {}});
+  finding.title =
+      fmt::format("The scale is known to ± {:.0f} ppm for edges seen within ± {:.2g} px",
+                  std::abs(alike), edge_px);
+  finding.evidence = fmt::format(
+      "Blooming, print and sensor response move all edges of a marker outward or inward alike; no "
+      "measured length tells how far. By {:.2g} px in all cameras the map would be {:.0f} ppm too "
+      "large or too small.",
+      edge_px, std::abs(alike));
+  finding.remedy = "Measure a distance on site (survey.toml) where that matters.";
+  return finding;
+}
 
-std::vector<Finding> calibration_findings(const BuildResult& result, const BuildOptions& options) {
-  std::vector<Finding> findings;
+/// Sub-maps that the survey's points leave out of the facility frame.
+void name_undetermined(const BuildResult& result, std::vector<Finding>& findings) {
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     const BuiltSubMap& submap = result.submaps[i];
-    const std::size_t first = findings.size();
-    if (submap.calibration) {
-      if (!submap.calibration->refused.empty()) {
-        findings.push_back(refusal(submap));
-      } else {
-        if (!submap.calibration->held.empty()) findings.push_back(partial_refusal(submap));
-        name_misfits(*submap.calibration, findings);
-      }
+    if (submap.map.frame == FrameKind::facility) continue;
+    std::size_t points = 0;
+    std::set<MarkerId> markers;
+    for (const SurveyResidual& entry : submap.survey) {
+      const bool here =
+          std::any_of(submap.map.markers.begin(), submap.map.markers.end(),
+                      [&](const MapMarker& marker) { return marker.id == entry.markers.front(); });
+      if (!entry.point || entry.use != SurveyUse::fit || !here) continue;
+      ++points;
+      markers.insert(entry.markers.front());
     }
-    name_survey(submap, findings);
+    Finding finding;
+    finding.kind = FindingKind::survey_undetermined;
+    finding.submap = i;
+    finding.title =
+        result.submaps.size() > 1
+            ? fmt::format("Sub-map {} stays apart: the survey's points do not fix it", i)
+            : "The survey's points do not fix the facility frame";
+    finding.evidence = fmt::format(
+        "{} of them lie on {} of its markers; it takes 3 for fit, not on a line, on at least 2 "
+        "markers.",
+        points, markers.size());
+    finding.remedy = "Measure more points on markers of this part.";
+    finding.figures = {{"points", static_cast<double>(points), "", {}},
+                       {"markers with points", static_cast<double>(markers.size()), "", {}}};
+    findings.push_back(std::move(finding));
+  }
+}
+
+Finding rigs_differ(const std::pair<std::string, std::string>& captures) {
+  Finding finding;
+  finding.kind = FindingKind::rigs_differ;
+  finding.severity = Severity::note;
+  finding.title = "Two captures state different calibrations of the same cameras";
+  finding.evidence = fmt::format(
+      "{} and {} name the same serials; each keeps its own numbers, and is refined on its own.",
+      captures.first, captures.second);
+  finding.remedy = "If nothing was changed between them, give both the same rig.yaml.";
+  finding.captures = {captures.first, captures.second};
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> calibration_findings(const BuildResult& result, const ObservationTable& table,
+                                          const BuildOptions& options) {
+  std::vector<Finding> findings;
+  const CalibrationResult& calibration = result.calibration;
+  if (!calibration.refused.empty()) findings.push_back(refusal(calibration));
+  if (!calibration.held.empty()) findings.push_back(partial_refusal(calibration));
+  name_misfits(calibration, findings);
+  for (std::size_t i = 0; i < result.submaps.size(); ++i) {
+    const std::size_t first = findings.size();
+    name_survey(result.submaps[i], findings);
+    if (!result.submaps[i].scale_per_edge_px.empty()) {
+      findings.push_back(scale_bound(result.submaps[i], result.calibration.rigs_before));
+    }
     for (std::size_t f = first; f < findings.size(); ++f) findings[f].submap = i;
   }
-  if (!options.survey.empty() && !result.submaps.empty()) {
-    const SubMap& map = result.submaps.front().map;
-    if (map.frame != FrameKind::facility && !options.survey.points.empty()) {
-      Finding finding;
-      finding.kind = FindingKind::survey_undetermined;
-      finding.title = "The survey's points do not fix the facility frame";
-      finding.evidence =
-          "It takes at least 3 points for fit, not on a line, on at least 2 mapped markers.";
-      finding.remedy = "Measure more points, or points on markers that are mapped.";
-      findings.push_back(finding);
-    }
-  }
+  if (!options.survey.points.empty()) name_undetermined(result, findings);
+  for (const auto& captures : table.recalibrated) findings.push_back(rigs_differ(captures));
   return findings;
 }
 

@@ -7,9 +7,11 @@
 
 namespace waymark {
 
-/// What survey and refinement showed: refusals with their reasons, how far cameras were moved, how
-/// sizes and edges fit, survey entries that disagree or determine nothing.
+/// What survey and refinement showed: refusals with their reasons, how far cameras were moved,
+/// survey entries that disagree, how well the scale is known without one, sub-maps whose frame its
+/// points don't fix, captures whose rig files differ.
 [[nodiscard]] std::vector<Finding> calibration_findings(const BuildResult& result,
+                                                        const ObservationTable& table,
                                                         const BuildOptions& options);
 
 }  // namespace waymark

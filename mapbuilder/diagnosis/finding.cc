@@ -8,7 +8,7 @@
 namespace waymark {
 namespace {
 
-constexpr std::array<std::string_view, 24> kKinds{"wrong_id",
+constexpr std::array<std::string_view, 27> kKinds{"wrong_id",
                                                   "twin",
                                                   "moved_between_captures",
                                                   "moved_during_capture",
@@ -31,8 +31,11 @@ constexpr std::array<std::string_view, 24> kKinds{"wrong_id",
                                                   "marker_vanished",
                                                   "poor_fit",
                                                   "no_marker_seen",
-                                                  "no_square"};
-static_assert(kKinds[static_cast<std::size_t>(FindingKind::no_square)] == "no_square");
+                                                  "no_square",
+                                                  "quarantine_refuted",
+                                                  "quarantine_open",
+                                                  "rigs_differ"};
+static_assert(kKinds[static_cast<std::size_t>(FindingKind::rigs_differ)] == "rigs_differ");
 
 constexpr std::array<std::string_view, 3> kSeverities{"error", "warning", "note"};
 

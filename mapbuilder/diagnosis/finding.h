@@ -36,6 +36,9 @@ enum class FindingKind {
   poor_fit,                ///< corners are far off, and nothing says why
   no_marker_seen,          ///< frame sets without a usable marker
   no_square,               ///< detections whose corners are no view of a square
+  quarantine_refuted,      ///< a vehicle took it for moved, but it stands where it stood
+  quarantine_open,         ///< in a vehicle's quarantine, and nothing tells whether rightly
+  rigs_differ,             ///< captures of the same cameras state different calibrations
 };
 
 /// "wrong_id", "twin", …: as written above.

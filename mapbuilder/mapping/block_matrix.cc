@@ -11,6 +11,23 @@ int BlockPattern::find(int row, int column) const {
   return at != end && *at == row ? static_cast<int>(at - rows.begin()) : -1;
 }
 
+void fix_block(BlockMatrix& matrix, int fixed) {
+  const BlockPattern& pattern = matrix.pattern;
+  for (int column = 0; column < pattern.columns(); ++column) {
+    for (int b = pattern.first[static_cast<std::size_t>(column)];
+         b < pattern.first[static_cast<std::size_t>(column) + 1]; ++b) {
+      const int row = pattern.rows[static_cast<std::size_t>(b)];
+      if (row != fixed && column != fixed) continue;
+      Matrix6d& block = matrix.blocks[static_cast<std::size_t>(b)];
+      if (row == column) {
+        block.setIdentity();
+      } else {
+        block.setZero();
+      }
+    }
+  }
+}
+
 BlockPattern pattern_of_groups(int columns, const std::vector<std::vector<int>>& groups) {
   std::vector<std::vector<int>> groups_of(static_cast<std::size_t>(columns));
   for (std::size_t g = 0; g < groups.size(); ++g) {

@@ -24,6 +24,9 @@ struct BlockMatrix {
   std::vector<Matrix6d> blocks;  ///< per block of the pattern
 };
 
+/// Takes an unknown out: its rows and columns become the unit matrix's.
+void fix_block(BlockMatrix& matrix, int fixed);
+
 /// The pattern in which all blocks of a group meet each other, for every group: what is left after
 /// eliminating an unknown that touches `groups[i]` (each rising, without repeats).
 [[nodiscard]] BlockPattern pattern_of_groups(int columns,

@@ -120,8 +120,10 @@ Eigen::MatrixXd joint_covariance(const KeptLayout& layout, const BlockCholesky& 
   for (const int block : layout.extrinsics) {
     for (int r = 0; r < 6; ++r) kept_row.push_back(block < 0 ? -1 : 6 * block + r);
   }
-  for (const int block : layout.focal) {
-    for (int r = 0; r < 2; ++r) kept_row.push_back(block < 0 ? -1 : 6 * block + r);
+  for (std::size_t c = 0; c < layout.focal.size(); ++c) {
+    for (const int block : {layout.focal[c], layout.lens[c]}) {
+      for (int r = 0; r < 4; ++r) kept_row.push_back(block < 0 ? -1 : 6 * block + r);
+    }
   }
   const auto count = static_cast<Eigen::Index>(kept_row.size());
   Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6L * layout.blocks, count);
@@ -191,7 +193,7 @@ std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope
                                                     const JointProblem& problem) {
   std::vector<std::unique_ptr<KeptFactor>> factors;
   if (scope.survey != nullptr) {
-    factors = survey_factors(*scope.survey, table, problem, scope.world_is_facility);
+    factors = survey_factors(*scope.survey, table, problem, scope.world_of_marker);
   }
   if (scope.free.sizes) {
     std::map<int, double> already;
@@ -206,7 +208,7 @@ std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope
   }
   for (const HeldDirection& direction : scope.held_directions) {
     factors.push_back(
-        direction_hold(problem, scope.stated_cameras, direction.extrinsics, direction.focal));
+        direction_hold(problem, scope.stated_cameras, direction.extrinsics, direction.intrinsics));
   }
   if (scope.free.edge_bias) {
     for (std::size_t c = 0; c < problem.start().cameras.size(); ++c) {

@@ -4,23 +4,25 @@
 #include <span>
 
 #include "mapbuilder/import/survey.h"
+#include "mapbuilder/mapping/direction_hold.h"
 #include "mapbuilder/mapping/joint_problem.h"
+#include "mapbuilder/mapping/survey_factors.h"
 
 namespace waymark {
 
-/// A direction of the extrinsics and focal lengths that the data can't tell: held where the rig
-/// file has it. `weights` has 6 entries per camera for the extrinsics' tangent, then 2 per camera
-/// for fu fv (1/px); zero where nothing is free.
+/// A direction of the calibration that the data can't tell: held where the rig file has it.
 struct HeldDirection {
-  std::vector<Vector6d> extrinsics;
-  std::vector<Eigen::Vector2d> focal;
+  std::vector<Vector6d> extrinsics;    ///< weights per camera, of rig_from_cam's tangent
+  std::vector<Intrinsics> intrinsics;  ///< per camera, of fu fv pu pv and the four coefficients
 };
 
 /// What an adjustment rests on and moves beside observations and poses.
 struct AdjustmentScope {
   FreeCalibration free;
   const Survey* survey = nullptr;  ///< its fit entries are residuals
-  bool world_is_facility = false;  ///< then its points too, and nothing needs to be held
+  /// Per marker of the table: the number of its world, kFacilityWorld that of the survey, where
+  /// points hold too. Empty: one world, not the survey's.
+  std::vector<int> world_of_marker;
   /// One standard deviation of a stated size, as a share of it. (1e-4–0.1) Printers scale by up to
   /// 1 %.
   double size_sigma = 0.01;
@@ -28,6 +30,11 @@ struct AdjustmentScope {
   double edge_bias_sigma_px = 0.5;
   std::vector<HeldDirection> held_directions;
   std::vector<RigCamera> stated_cameras;  ///< of all rigs: where held directions are held
+
+  [[nodiscard]] bool in_facility(int marker) const {
+    return !world_of_marker.empty() &&
+           world_of_marker[static_cast<std::size_t>(marker)] == kFacilityWorld;
+  }
 };
 
 /// The scope's residuals beside the corners': survey, priors, held directions, on what takes part
@@ -47,8 +54,8 @@ struct CameraUncertainty {
 struct CalibrationUncertainty {
   std::vector<CameraUncertainty> cameras;  ///< of all rigs, one after the other
   std::vector<double> size_factor;         ///< per size class, by rising stated size
-  /// Joint covariance of what a limit is set to: per camera six of the extrinsics, then per camera
-  /// fu fv (px). Empty when nothing is determined.
+  /// Joint covariance of the rig file's numbers: per camera six of the extrinsics, then per camera
+  /// eight of the intrinsics; zero where nothing is free. Empty when nothing is determined.
   Eigen::MatrixXd joint;
 };
 

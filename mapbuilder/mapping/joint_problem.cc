@@ -135,7 +135,8 @@ void JointProblem::number_unknowns(const ObservationTable& table,
       FrameSetSlot set;
       set.first = observations_.size();
       set.camera_offset = camera_offset[static_cast<std::size_t>(table.frame_sets[f].rig)];
-      set.fixed = o.frame_set == held.frame_set;
+      set.fixed = std::find(held.frame_sets.begin(), held.frame_sets.end(), o.frame_set) !=
+                  held.frame_sets.end();
       sets_.push_back(set);
       frame_set_indices_.push_back(o.frame_set);
       start_.world_from_rig.push_back(state.rigs[f]->best.pose);

@@ -26,8 +26,8 @@ struct FreeCalibration {
 
 /// What stays where it is.
 struct HeldPoses {
-  int frame_set = -1;         ///< table index; −1: none
-  std::vector<char> markers;  ///< per marker of the table, ≠ 0: held; empty: none
+  std::vector<int> frame_sets;  ///< table indices
+  std::vector<char> markers;    ///< per marker of the table, ≠ 0: held; empty: none
 };
 
 /// Values of all unknowns. World frame: the map state's.

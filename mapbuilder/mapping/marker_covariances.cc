@@ -38,24 +38,6 @@ int best_known(const BlockMatrix& information, int markers) {
   return best;
 }
 
-/// Takes a marker out of the unknowns: its rows and columns become the unit matrix's.
-void fix(BlockMatrix& information, int marker) {
-  const BlockPattern& pattern = information.pattern;
-  for (int column = 0; column < pattern.columns(); ++column) {
-    for (int b = pattern.first[static_cast<std::size_t>(column)];
-         b < pattern.first[static_cast<std::size_t>(column) + 1]; ++b) {
-      const int row = pattern.rows[static_cast<std::size_t>(b)];
-      if (row != marker && column != marker) continue;
-      Matrix6d& block = information.blocks[static_cast<std::size_t>(b)];
-      if (row == column) {
-        block.setIdentity();
-      } else {
-        block.setZero();
-      }
-    }
-  }
-}
-
 }  // namespace
 
 MarkerInformation marker_information(const ObservationTable& table,
@@ -70,9 +52,9 @@ MarkerInformation marker_information(const ObservationTable& table,
   const auto factors = factors_of(scope, table, problem);
   for (const auto& factor : factors) problem.add(*factor);
   MarkerInformation result;
-  result.world_is_fixed = scope.world_is_facility;
   result.information = problem.reduce(problem.start(), 0.0).information;
   result.markers = problem.markers();
+  result.world_is_fixed = !result.markers.empty() && scope.in_facility(result.markers.front());
   result.world_from_marker = problem.start().world_from_marker;
   return result;
 }
@@ -96,7 +78,7 @@ std::vector<Matrix6d> marker_covariances(const MarkerInformation& information) {
   }
   const int anchor = best_known(information.information, count);
   BlockMatrix fixed = information.information;
-  fix(fixed, anchor);
+  fix_block(fixed, anchor);
   BlockCholesky cholesky(fixed.pattern);
   if (!cholesky.factorize(fixed)) return {};
   const std::vector<Matrix6d> own_blocks = cholesky.inverse_diagonal();

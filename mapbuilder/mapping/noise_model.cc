@@ -34,15 +34,22 @@ double paper_weight(const TableObservation& o, const NoiseModel& noise) {
                                                        : 1.0;
 }
 
+void whiten(TableObservation& o, const NoiseModel& noise) {
+  const double weight = paper_weight(o, noise);
+  for (std::size_t i = 0; i < 4; ++i) {
+    o.whitening[i] = whitening_from_covariance(corner_covariance(o, i, noise, weight));
+  }
+}
+
 }  // namespace
 
 void set_whitening(ObservationTable& table, const NoiseModel& noise) {
-  for (TableObservation& o : table.observations) {
-    const double weight = paper_weight(o, noise);
-    for (std::size_t i = 0; i < 4; ++i) {
-      o.whitening[i] = whitening_from_covariance(corner_covariance(o, i, noise, weight));
-    }
-  }
+  for (TableObservation& o : table.observations) whiten(o, noise);
+}
+
+void set_whitening(ObservationTable& table, std::span<const std::size_t> observations,
+                   const NoiseModel& noise) {
+  for (const std::size_t index : observations) whiten(table.observations[index], noise);
 }
 
 double estimate_model_sigma_px(const ObservationTable& table, const MapState& state,

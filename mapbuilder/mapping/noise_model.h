@@ -31,6 +31,9 @@ inline constexpr double kLargestModelSigma = 20.0;
 
 /// Writes every observation's whitening.
 void set_whitening(ObservationTable& table, const NoiseModel& noise);
+/// The same of the given ones alone.
+void set_whitening(ObservationTable& table, std::span<const std::size_t> observations,
+                   const NoiseModel& noise);
 
 /// σ_model at which the 90 % quantile of the squared corner residuals (2 degrees of freedom) in
 /// sigmas is what Gaussian noise would give (−2 ln 0.1), corrected for `parameter_share`: the

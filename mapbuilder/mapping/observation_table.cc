@@ -48,6 +48,14 @@ Rig single_camera_rig(const RigCamera& camera) {
   return rig;
 }
 
+/// Whether both rigs state all their cameras' serials, and these are alike.
+bool have_same_serials(const Rig& a, const Rig& b) {
+  return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
+                    [](const RigCamera& one, const RigCamera& other) {
+                      return !one.serial.empty() && one.serial == other.serial;
+                    });
+}
+
 /// Gives each capture's images their frame sets, rigs and observations.
 class TableMaker {
  public:
@@ -60,21 +68,22 @@ class TableMaker {
       stamped.push_back({image.camera, image.stamp});
     }
     const bool mono = options_.mono || capture.rig.cameras.size() == 1;
-    const int first_rig = static_cast<int>(table.rigs.size());
+    std::vector<int> rigs;  // per camera of a mono capture, else one
     if (mono) {
       for (const RigCamera& camera : capture.rig.cameras) {
-        table.rigs.push_back(single_camera_rig(camera));
+        rigs.push_back(number_of(single_camera_rig(camera)));
       }
     } else {
-      table.rigs.push_back(capture.rig);
+      rigs.push_back(number_of(capture.rig));
     }
     const auto frame_sets = mono ? one_frame_set_per_image(stamped)
                                  : group_into_frame_sets(stamped, capture.sync_tolerance);
     for (const FrameSet& frame_set : frame_sets) {
       const int camera = mono ? stamped[frame_set.images.front()].camera : -1;
       // A rig of one camera needs no "camN" in its trajectory's name unless mono was asked for.
-      table.frame_sets.push_back({first_rig + (mono ? camera : 0), capture_index, frame_set.stamp,
-                                  options_.mono ? camera : -1, table.observations.size(), 0});
+      table.frame_sets.push_back({rigs[static_cast<std::size_t>(std::max(0, camera))],
+                                  capture_index, frame_set.stamp, options_.mono ? camera : -1,
+                                  table.observations.size(), 0});
       for (const std::size_t image : frame_set.images) {
         add_image(capture.images[image], mono ? 0 : capture.images[image].camera);
       }
@@ -87,6 +96,15 @@ class TableMaker {
   std::map<MarkerId, int> marker_index;
 
  private:
+  /// Of the rig in the table; it is put there unless it is there already.
+  int number_of(const Rig& rig) {
+    const auto known = std::find_if(table.rigs.begin(), table.rigs.end(),
+                                    [&](const Rig& other) { return are_same(rig, other); });
+    if (known != table.rigs.end()) return static_cast<int>(known - table.rigs.begin());
+    table.rigs.push_back(rig);
+    return static_cast<int>(table.rigs.size()) - 1;
+  }
+
   void add_image(const ImageDetections& image, int camera_in_rig) {
     std::vector<const Detection*> sorted;
     for (const Detection& d : image.detections) {
@@ -189,6 +207,15 @@ std::string fingerprint(const Rig& rig) {
   return hash.hexadecimal();
 }
 
+bool are_same(const Rig& a, const Rig& b) {
+  if (fingerprint(a) != fingerprint(b)) return false;
+  return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
+                    [](const RigCamera& one, const RigCamera& other) {
+                      return one.serial.empty() || other.serial.empty() ||
+                             one.serial == other.serial;
+                    });
+}
+
 std::string fingerprint(const DetectedCapture& capture) {
   Fingerprint hash;
   hash.add(fingerprint(capture.rig));
@@ -251,11 +278,19 @@ Expected<ObservationTable> make_observation_table(std::vector<DetectedCapture> c
       return fail(ErrorKind::usage, "{} and {} hold the same capture; name it once",
                   maker.table.capture_names.back(), captures[index].name);
     }
+    for (const DetectedCapture& other : captures) {
+      if (other.name > captures[index].name && !are_same(captures[index].rig, other.rig) &&
+          have_same_serials(captures[index].rig, other.rig)) {
+        maker.table.recalibrated.emplace_back(captures[index].name, other.name);
+      }
+    }
     maker.table.capture_names.push_back(captures[index].name);
+    maker.table.capture_places.push_back(index);
     maker.table.capture_fingerprints.push_back(hash);
     maker.add(captures[index], static_cast<int>(maker.table.capture_names.size()) - 1);
   }
   ObservationTable table = std::move(maker.table);
+  std::sort(table.recalibrated.begin(), table.recalibrated.end());
   for (const Rig& rig : table.rigs) {
     table.edge_bias_px.resize(table.edge_bias_px.size() + rig.cameras.size(), 0.0);
   }

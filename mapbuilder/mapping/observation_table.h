@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/error.h"
@@ -26,6 +27,9 @@ struct DetectedCapture {
 [[nodiscard]] std::string fingerprint(const Rig& rig);
 [[nodiscard]] std::string fingerprint(const DetectedCapture& capture);
 
+/// Whether two rigs are one: the same numbers, and no serial that says otherwise.
+[[nodiscard]] bool are_same(const Rig& a, const Rig& b);
+
 /// One observation as mapping sees it.
 struct TableObservation : MarkerObservation {
   int frame_set = 0;              ///< index
@@ -47,8 +51,12 @@ struct TableFrameSet {
 /// stamp; observations by camera, marker, corners), so that neither the order of rows nor that of
 /// captures nor the number of threads can leave a trace in the result.
 struct ObservationTable {
-  std::vector<Rig> rigs;
-  std::vector<std::string> capture_names;  ///< canonical order
+  std::vector<Rig> rigs;                    ///< captures of the same cameras share one
+  std::vector<std::string> capture_names;   ///< canonical order
+  std::vector<std::size_t> capture_places;  ///< per capture: its place among those given
+  /// Captures whose rig.yaml names the same cameras (serials) and states other numbers: their rigs
+  /// are kept apart. By name, rising.
+  std::vector<std::pair<std::string, std::string>> recalibrated;
   std::vector<std::string> capture_fingerprints;
   std::string rig_fingerprint;         ///< of all different rigs together
   std::vector<MarkerId> markers;       ///< rising

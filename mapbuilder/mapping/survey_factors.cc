@@ -24,12 +24,12 @@ std::optional<int> index_of(const ObservationTable& table, const MarkerId& marke
 
 /// The place in the world; nullopt when its marker has no pose.
 std::optional<Eigen::Vector3d> x_in_world(const MarkerPlace& place, const ObservationTable& table,
-                                          const MapState& state) {
+                                          const MarkerPoses& world_from_marker) {
   const auto index = index_of(table, place.marker);
   if (!index) return std::nullopt;
   const auto m = static_cast<std::size_t>(*index);
-  if (!state.world_from_marker[m]) return std::nullopt;
-  return *state.world_from_marker[m] * x_in_marker(place, table.sizes_m[m]);
+  if (!world_from_marker[m]) return std::nullopt;
+  return *world_from_marker[m] * x_in_marker(place, table.sizes_m[m]);
 }
 
 /// A place within a joint problem: where it stands and how it moves with the kept blocks.
@@ -172,27 +172,37 @@ class ScalarPrior : public KeptFactor {
 
 }  // namespace
 
-SurveyReach reach_of(const Survey& survey, const ObservationTable& table, const MapState& state) {
+MarkerPoses poses_of(const Component& component, const MapState& state) {
+  MarkerPoses poses(state.world_from_marker.size());
+  for (const int marker : component.markers) {
+    const auto m = static_cast<std::size_t>(marker);
+    poses[m] = state.world_from_marker[m];
+  }
+  return poses;
+}
+
+SurveyReach reach_of(const Survey& survey, const ObservationTable& table,
+                     const MarkerPoses& world_from_marker) {
   SurveyReach reach;
   for (const SurveyedDistance& distance : survey.distances) {
-    if (distance.use == SurveyUse::fit && x_in_world(distance.from, table, state) &&
-        x_in_world(distance.to, table, state)) {
+    if (distance.use == SurveyUse::fit && x_in_world(distance.from, table, world_from_marker) &&
+        x_in_world(distance.to, table, world_from_marker)) {
       reach.scale = true;
     }
   }
-  reach.frame = facility_from_world(survey, table, state).has_value();
+  reach.frame = facility_from_world(survey, table, world_from_marker).has_value();
   reach.scale = reach.scale || reach.frame;
   return reach;
 }
 
 std::optional<Rigid3> facility_from_world(const Survey& survey, const ObservationTable& table,
-                                          const MapState& state) {
+                                          const MarkerPoses& world_from_marker) {
   std::vector<Eigen::Vector3d> in_world;
   std::vector<Eigen::Vector3d> in_facility;
   std::set<MarkerId> markers;
   for (const SurveyedPoint& point : survey.points) {
     if (point.use != SurveyUse::fit) continue;
-    const auto x = x_in_world(point.place, table, state);
+    const auto x = x_in_world(point.place, table, world_from_marker);
     if (!x) continue;
     in_world.push_back(*x);
     in_facility.push_back(point.position_m);
@@ -207,16 +217,24 @@ std::optional<Rigid3> facility_from_world(const Survey& survey, const Observatio
 std::vector<std::unique_ptr<KeptFactor>> survey_factors(const Survey& survey,
                                                         const ObservationTable& table,
                                                         const JointProblem& problem,
-                                                        bool with_points) {
+                                                        const std::vector<int>& world_of_marker) {
+  constexpr int kOneWorld = kFacilityWorld + 1;
+  const auto world_of = [&](const MarkerPlace& place) {
+    const auto index = index_of(table, place.marker);
+    if (!index || world_of_marker.empty()) return kOneWorld;
+    return world_of_marker[static_cast<std::size_t>(*index)];
+  };
   std::vector<std::unique_ptr<KeptFactor>> factors;
   for (const SurveyedPoint& point : survey.points) {
-    if (!with_points || point.use != SurveyUse::fit) continue;
+    if (point.use != SurveyUse::fit || world_of(point.place) != kFacilityWorld) continue;
     if (const auto place = place_in(problem, table, point.place)) {
       factors.push_back(std::make_unique<PointFactor>(*place, point));
     }
   }
   for (const SurveyedDistance& distance : survey.distances) {
-    if (distance.use != SurveyUse::fit) continue;
+    if (distance.use != SurveyUse::fit || world_of(distance.from) != world_of(distance.to)) {
+      continue;
+    }
     const auto from = place_in(problem, table, distance.from);
     const auto to = place_in(problem, table, distance.to);
     if (from && to) factors.push_back(std::make_unique<DistanceFactor>(*from, *to, distance));
@@ -239,11 +257,12 @@ std::unique_ptr<KeptFactor> edge_bias_prior(const JointProblem& problem, std::si
 }
 
 std::vector<SurveyResidual> survey_residuals(const Survey& survey, const ObservationTable& table,
-                                             const MapState& state, bool world_is_facility) {
+                                             const MarkerPoses& world_from_marker,
+                                             bool world_is_facility) {
   const bool with_family = table.several_families();
   std::vector<SurveyResidual> residuals;
   const auto motion = world_is_facility ? std::optional<Rigid3>(Rigid3{})
-                                        : facility_from_world(survey, table, state);
+                                        : facility_from_world(survey, table, world_from_marker);
   for (const SurveyedPoint& point : survey.points) {
     SurveyResidual residual;
     residual.entry = format_place(point.place, with_family);
@@ -251,7 +270,7 @@ std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observa
     residual.point = true;
     residual.use = point.use;
     residual.sigma_m = point.sigma_m;
-    const auto x = x_in_world(point.place, table, state);
+    const auto x = x_in_world(point.place, table, world_from_marker);
     residual.mapped = x.has_value() && motion.has_value();
     if (residual.mapped) residual.residual_m = (*motion * *x - point.position_m).norm();
     residuals.push_back(residual);
@@ -264,8 +283,8 @@ std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observa
     residual.use = distance.use;
     residual.measured_m = distance.distance_m;
     residual.sigma_m = distance.sigma_m;
-    const auto from = x_in_world(distance.from, table, state);
-    const auto to = x_in_world(distance.to, table, state);
+    const auto from = x_in_world(distance.from, table, world_from_marker);
+    const auto to = x_in_world(distance.to, table, world_from_marker);
     residual.mapped = from && to;
     if (residual.mapped) residual.residual_m = (*to - *from).norm() - distance.distance_m;
     residuals.push_back(residual);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mapbuilder/import/survey.h"
+#include "mapbuilder/mapping/covisibility.h"
 #include "mapbuilder/mapping/joint_problem.h"
 
 namespace waymark {
@@ -28,21 +29,30 @@ struct SurveyReach {
   bool frame = false;  ///< ≥ 3 points not on a line, on ≥ 2 markers: all six freedoms of the world
 };
 
-/// Which of the survey's fit entries lie on posed markers, and what they fix.
+/// The world in which a survey's points are given.
+inline constexpr int kFacilityWorld = 0;
+
+/// world_from_marker per marker of the table, all in one world; nullopt: not placed, or in another.
+using MarkerPoses = std::vector<std::optional<Rigid3>>;
+
+/// Those of a component's markers.
+[[nodiscard]] MarkerPoses poses_of(const Component& component, const MapState& state);
+
+/// Which of the survey's fit entries lie on markers of one world, and what they fix.
 [[nodiscard]] SurveyReach reach_of(const Survey& survey, const ObservationTable& table,
-                                   const MapState& state);
+                                   const MarkerPoses& world_from_marker);
 
 /// The motion facility_from_world by the fit points; nullopt unless they reach the frame.
 [[nodiscard]] std::optional<Rigid3> facility_from_world(const Survey& survey,
                                                         const ObservationTable& table,
-                                                        const MapState& state);
+                                                        const MarkerPoses& world_from_marker);
 
-/// Residuals of the fit entries on markers that take part in `problem`: distances always, points
-/// only `with_points` (the world is the facility frame then). Entry − prediction in stated sigmas.
-[[nodiscard]] std::vector<std::unique_ptr<KeptFactor>> survey_factors(const Survey& survey,
-                                                                      const ObservationTable& table,
-                                                                      const JointProblem& problem,
-                                                                      bool with_points);
+/// Residuals of the fit entries on markers that take part in `problem`: points in the facility's
+/// world, distances within any one world (`world_of_marker` as AdjustmentScope has it). Entry −
+/// prediction in stated sigmas.
+[[nodiscard]] std::vector<std::unique_ptr<KeptFactor>> survey_factors(
+    const Survey& survey, const ObservationTable& table, const JointProblem& problem,
+    const std::vector<int>& world_of_marker);
 
 /// Prior of one size class: size / stated size = 1 ± `sigma`. `already` is the factor that the
 /// observations' sizes hold by now.
@@ -56,11 +66,11 @@ struct SurveyReach {
                                                           std::size_t camera, double already_px,
                                                           double sigma_px);
 
-/// Every entry against the state; points are aligned to the facility frame first unless the world
-/// is that frame already.
+/// Every entry against markers of one world; points are aligned to the facility frame first unless
+/// the world is that frame already.
 [[nodiscard]] std::vector<SurveyResidual> survey_residuals(const Survey& survey,
                                                            const ObservationTable& table,
-                                                           const MapState& state,
+                                                           const MarkerPoses& world_from_marker,
                                                            bool world_is_facility);
 
 }  // namespace waymark

@@ -40,8 +40,9 @@ double turn_rad(const CommonMarker& marker, const Rigid3& old_from_new) {
 bool has_moved(const CommonMarker& marker, const Rigid3& old_from_new, const MovedLimits& limits) {
   constexpr double kSigmas = 5.0;
   const Vector6d variance = marker.now->covariance.diagonal() + marker.then->covariance.diagonal();
-  const double sigma_m = std::sqrt(variance.head<3>().maxCoeff());
-  const double sigma_rad = std::sqrt(variance.tail<3>().maxCoeff());
+  const bool known = marker.now->covariance_known() && marker.then->covariance_known();
+  const double sigma_m = known ? std::sqrt(variance.head<3>().maxCoeff()) : 0.0;
+  const double sigma_rad = known ? std::sqrt(variance.tail<3>().maxCoeff()) : 0.0;
   return distance_m(marker, old_from_new) > std::max(limits.distance_m, kSigmas * sigma_m) ||
          turn_rad(marker, old_from_new) > std::max(limits.turn_rad, kSigmas * sigma_rad);
 }
@@ -107,8 +108,14 @@ std::optional<Rigid3> level_world(const BuiltSubMap& submap, LevelBy by,
 }
 
 std::optional<FrameComparison> compare_frames(const SubMap& map, const SubMap& old,
+                                              const std::set<MarkerId>& suspects,
                                               const MovedLimits& limits) {
-  const std::vector<CommonMarker> common = common_markers(map, old);
+  std::vector<CommonMarker> common = common_markers(map, old);
+  const auto trusted_end = std::stable_partition(
+      common.begin(), common.end(),
+      [&](const CommonMarker& marker) { return !suspects.contains(marker.now->id); });
+  const std::vector<CommonMarker> suspected(trusted_end, common.end());
+  common.erase(trusted_end, common.end());
   if (common.size() < 3) return std::nullopt;
   Rigid3 best;
   double least = std::numeric_limits<double>::infinity();
@@ -148,12 +155,19 @@ std::optional<FrameComparison> compare_frames(const SubMap& map, const SubMap& o
   FrameComparison comparison;
   comparison.old_from_new = best;
   comparison.unmoved = unmoved.size();
+  const auto compared = [&](const CommonMarker& marker) {
+    return MovedMarker{marker.now->id, distance_m(marker, best), turn_rad(marker, best)};
+  };
   for (const CommonMarker& marker : common) {
-    if (has_moved(marker, best, limits)) {
-      comparison.moved.push_back(
-          {marker.now->id, distance_m(marker, best), turn_rad(marker, best)});
-    }
+    if (has_moved(marker, best, limits)) comparison.moved.push_back(compared(marker));
   }
+  for (const CommonMarker& marker : suspected) {
+    auto& verdict =
+        has_moved(marker, best, limits) ? comparison.moved : comparison.suspects_in_place;
+    verdict.push_back(compared(marker));
+  }
+  std::sort(comparison.moved.begin(), comparison.moved.end(),
+            [](const MovedMarker& a, const MovedMarker& b) { return a.id < b.id; });
   const auto missing_in = [](const SubMap& from, const SubMap& in) {
     std::vector<MarkerId> missing;
     for (const MapMarker& marker : from.markers) {

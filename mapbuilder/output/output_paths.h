@@ -17,6 +17,17 @@ namespace waymark {
   return path.parent_path() / name;
 }
 
+/// Where a capture's own trajectory goes: of the first that was given to the named file, of the
+/// others beside it, `out.capture1.tum`, `out.capture2.tum`…; of sub-map 1 `out.capture1.1.tum`.
+[[nodiscard]] inline std::filesystem::path path_of_capture(const std::filesystem::path& path,
+                                                           std::size_t place) {
+  if (place == 0) return path;
+  std::filesystem::path name = path.stem();
+  name += ".capture" + std::to_string(place);
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
 /// Where a camera's own trajectory (--mono) goes: `out.cam0.tum`; of sub-map 1, `out.1.cam0.tum`.
 [[nodiscard]] inline std::filesystem::path path_of_camera(const std::filesystem::path& path,
                                                           const std::string& camera) {

@@ -94,9 +94,9 @@ Eigen::Quaterniond turned_about_z(double angle_rad, const Eigen::Quaterniond& pl
 
 }  // namespace
 
-PlanView plan_view(const SubMap& submap, bool z_is_up, const Eigen::Vector3d& camera_up_in_world) {
+PlanView plan_view(const SubMap& submap, const Eigen::Vector3d& camera_up_in_world) {
   PlanView view;
-  view.z_is_up = z_is_up || submap.frame == FrameKind::facility;
+  view.z_is_up = submap.z_is_up;
   if (view.z_is_up || submap.markers.empty()) return view;
   std::vector<Eigen::Vector3d> normals = normals_of(submap);
   view.plan_from_world = Eigen::Quaterniond::FromTwoVectors(find_up(normals, camera_up_in_world),

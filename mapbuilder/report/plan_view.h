@@ -16,7 +16,6 @@ struct PlanView {
 /// direction that walls stand along and floors and ceilings face, nearest to where the cameras' up
 /// points on average (`camera_up_in_world`, of length 0 to 1: how much that says); the plan's x
 /// axis lies along the walls, the longer way. Only a view: no coordinate of the map changes.
-[[nodiscard]] PlanView plan_view(const SubMap& submap, bool z_is_up,
-                                 const Eigen::Vector3d& camera_up_in_world);
+[[nodiscard]] PlanView plan_view(const SubMap& submap, const Eigen::Vector3d& camera_up_in_world);
 
 }  // namespace waymark

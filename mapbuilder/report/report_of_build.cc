@@ -134,7 +134,6 @@ Report report_of_build(const BuildResult& result, const ObservationTable& table,
     told.ambiguous = submap.ambiguous.size();
     told.corner_sigma_px = submap.model_sigma_px;
     told.covariances_known = submap.covariances_known && submap.map.markers.size() > 1;
-    told.z_is_up = submap.map.frame == FrameKind::facility;
     told.camera_up_in_world = camera_up_in_world(submap, table);
     report.submaps.push_back(std::move(told));
   }

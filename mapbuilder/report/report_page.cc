@@ -38,7 +38,7 @@ ordered_json poses_json(const std::vector<StampedPose>& poses, Stamp from) {
 }
 
 ordered_json scene_json(const SubMap& submap, const ReportSubMap& told) {
-  const PlanView view = plan_view(submap, told.z_is_up, told.camera_up_in_world);
+  const PlanView view = plan_view(submap, told.camera_up_in_world);
   const Eigen::Quaterniond& q = view.plan_from_world;
   ordered_json tracks = ordered_json::array();
   for (const ReportTrack& track : told.tracks) {

@@ -54,7 +54,7 @@ ordered_json finding_json(const Finding& finding, bool with_family) {
 ordered_json marker_json(const MapMarker& marker, bool covariances_known, bool with_family) {
   ordered_json sigma_m = nullptr;
   ordered_json sigma_deg = nullptr;
-  if (covariances_known) {
+  if (covariances_known && marker.covariance_known()) {
     const Vector6d variances = marker.covariance.diagonal().cwiseMax(0.0);
     sigma_m = nine_decimals(std::sqrt(variances.head<3>().sum()));
     sigma_deg = nine_decimals(std::sqrt(variances.tail<3>().sum()) * 180 / std::numbers::pi);
@@ -97,6 +97,7 @@ ordered_json submap_json(const SubMap& submap, const ReportSubMap& told, bool wi
   ordered_json tracks = ordered_json::array();
   for (const ReportTrack& track : told.tracks) tracks.push_back(track_json(track));
   return {{"frame", name_of(submap.frame)},
+          {"z_is_up", submap.z_is_up},
           {"frame_sets", submap.frame_sets},
           {"ambiguous_frame_sets", told.ambiguous},
           {"observations", told.observations},

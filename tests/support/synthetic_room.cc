@@ -99,6 +99,11 @@ SyntheticRoom make_room(const RoomOptions& options) {
     room.world_from_marker.push_back(pose);
   }
   for (int i = 0; i < options.frame_sets; ++i) {
+    if (options.turn_in_place_rad >= 0) {
+      room.world_from_rig.push_back(
+          {so3_exp({0, 0, options.turn_in_place_rad * i / options.frame_sets}), {0, 0, 1.4}});
+      continue;
+    }
     const double angle = 2 * kPi * i / options.frame_sets;
     const double radius = 0.25 * options.room_m;
     room.world_from_rig.push_back(

@@ -18,6 +18,9 @@ struct RoomOptions {
   double room_m = 8.0;    ///< length of a wall
   double marker_m = 0.3;
   bool state_covariances = false;  ///< whether detections carry noise_px² I
+  /// ≥ 0: the rig stands in the middle and turns about the vertical by so much in all; < 0: it
+  /// walks.
+  double turn_in_place_rad = -1.0;
   std::uint32_t seed = 1;
 };
 

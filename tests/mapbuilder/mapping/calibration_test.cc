@@ -40,10 +40,10 @@ TEST(Refinement, FindsTrueExtrinsicsAndSaysHowFarTheyWereOff) {
   options.refine.extrinsics = true;
   const BuildResult result = build(table, options);
   ASSERT_EQ(result.submaps.size(), 1U);
-  const auto& calibration = result.submaps[0].calibration;
-  ASSERT_TRUE(calibration && calibration->applied);
+  const CalibrationResult& calibration = result.calibration;
+  ASSERT_TRUE(calibration.refined);
   const Vector6d left = table.rigs[0].cameras[1].rig_from_cam.minus(truth);
-  const CameraUncertainty& sure = calibration->uncertainty.cameras[1];
+  const CameraUncertainty& sure = calibration.uncertainty.cameras[1];
   EXPECT_LT(left.head<3>().norm(), 5 * std::sqrt(3.0) * sure.position_m);
   EXPECT_LT(left.tail<3>().norm(), 5 * std::sqrt(3.0) * sure.rotation_rad);
   EXPECT_LT(sure.position_m, 0.002);
@@ -61,10 +61,10 @@ TEST(Refinement, FindsTrueIntrinsics) {
   BuildOptions options;
   options.refine.intrinsics = true;
   const BuildResult result = build(table, options);
-  const auto& calibration = result.submaps.at(0).calibration;
-  ASSERT_TRUE(calibration && calibration->applied);
+  const CalibrationResult& calibration = result.calibration;
+  ASSERT_TRUE(calibration.refined);
   EXPECT_NEAR(table.rigs[0].cameras[0].model.parameters().fu_px / true_fu, 1.0,
-              5 * std::max(1e-4, calibration->uncertainty.cameras[0].focal));
+              5 * std::max(1e-4, calibration.uncertainty.cameras[0].focal));
 }
 
 TEST(Refinement, OfOneCamerasExtrinsicsIsRefusedAndTheMapUnharmed) {
@@ -75,11 +75,10 @@ TEST(Refinement, OfOneCamerasExtrinsicsIsRefusedAndTheMapUnharmed) {
   BuildOptions options;
   options.refine.extrinsics = true;
   const BuildResult result = build(table, options);
-  const auto& calibration = result.submaps.at(0).calibration;
-  ASSERT_TRUE(calibration);
-  EXPECT_FALSE(calibration->applied);
-  ASSERT_FALSE(calibration->refused.empty());
-  EXPECT_NE(calibration->refused[0].find("one camera"), std::string::npos);
+  const CalibrationResult& calibration = result.calibration;
+  EXPECT_FALSE(calibration.refined);
+  ASSERT_FALSE(calibration.refused.empty());
+  EXPECT_NE(calibration.refused[0].find("one camera"), std::string::npos);
   for (std::size_t m = 0; m < plain.submaps[0].map.markers.size(); ++m) {
     EXPECT_EQ(result.submaps[0].map.markers[m].world_from_marker.translation,
               plain.submaps[0].map.markers[m].world_from_marker.translation);
@@ -92,8 +91,7 @@ TEST(Refinement, OfSizesWithoutAMeasuredLengthIsRefused) {
   BuildOptions options;
   options.refine.sizes = true;
   const BuildResult result = build(table, options);
-  ASSERT_TRUE(result.submaps.at(0).calibration);
-  EXPECT_FALSE(result.submaps[0].calibration->refused.empty());
+  EXPECT_FALSE(result.calibration.refused.empty());
   EXPECT_EQ(table.sizes_m, table.stated_sizes_m);
 }
 
@@ -101,16 +99,15 @@ TEST(RigCheck, ARigThatFitsExplainsNothingMoreWhenFreedAndOneThatDoesNotDoes) {
   auto room = noisy_room();
   auto table = test::table_of(room);
   const BuildResult fits = build(table, {});
-  ASSERT_TRUE(fits.submaps.at(0).calibration);
-  EXPECT_GT(fits.submaps[0].calibration->extrinsics_cost_ratio, kExplainsTooLittle);
-  EXPECT_GT(fits.submaps[0].calibration->intrinsics_cost_ratio, kExplainsTooLittle);
+  EXPECT_GT(fits.calibration.extrinsics_cost_ratio, kExplainsTooLittle);
+  EXPECT_GT(fits.calibration.intrinsics_cost_ratio, kExplainsTooLittle);
 
   Vector6d off;
   off << 0.01, 0, 0, 0, 0.006, 0;
   room.rig.cameras[2].rig_from_cam = room.rig.cameras[2].rig_from_cam.plus(off);
   auto bent = test::table_of(room);
   const BuildResult misfit = build(bent, {});
-  EXPECT_LT(misfit.submaps.at(0).calibration->extrinsics_cost_ratio, kExplainsTooLittle);
+  EXPECT_LT(misfit.calibration.extrinsics_cost_ratio, kExplainsTooLittle);
   EXPECT_EQ(bent.rigs[0].cameras[2].rig_from_cam.translation,
             room.rig.cameras[2].rig_from_cam.translation)
       << "a trial changes nothing";

@@ -47,7 +47,7 @@ TEST_P(CeresReference, TheAdjustmentFindsTheSameOptimum) {
   }
   const MapState start = test::true_state(room, table);
   MapState state = start;
-  const auto summary = adjust_jointly(table, test::all_observations(table), {0, {}},
+  const auto summary = adjust_jointly(table, test::all_observations(table), {{0}, {}},
                                       {{Loss::huber, huber_sigmas}, 100, 1e-15, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
 

@@ -20,7 +20,7 @@ TEST(JointAdjustment, BringsDisturbedPosesBackToTheTruth) {
   for (std::size_t f = 1; f < state.rigs.size(); ++f) {
     state.rigs[f]->best.pose = disturb(state.rigs[f]->best.pose);
   }
-  const auto summary = adjust_jointly(table, test::all_observations(table), {0, {}},
+  const auto summary = adjust_jointly(table, test::all_observations(table), {{0}, {}},
                                       {{Loss::squared, 6.0}, 50, 1e-14, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
   EXPECT_LT(summary.final_cost, 1e-10);
@@ -39,7 +39,7 @@ TEST(JointAdjustment, TheAnchorStaysAndRejectedObservationsDoNotCount) {
   table.observations[40].corners_px[0] += Eigen::Vector2d(500, 0);
   state.accepted[40] = 0;
   const Rigid3 anchor = state.rigs[0]->best.pose;
-  const auto summary = adjust_jointly(table, test::all_observations(table), {0, {}},
+  const auto summary = adjust_jointly(table, test::all_observations(table), {{0}, {}},
                                       {{Loss::squared, 6.0}, 50, 1e-10, 1e-6}, state);
   EXPECT_TRUE(summary.converged);
   EXPECT_EQ(summary.observations, table.observations.size() - 1);
@@ -53,7 +53,7 @@ TEST(JointAdjustment, HeldMarkersStayAndTheRestFindsItsPlaceAmongThem) {
   const auto room = test::make_room({});
   auto table = test::table_of(room);
   MapState state = test::true_state(room, table);
-  HeldPoses held{-1, std::vector<char>(table.markers.size(), 1)};
+  HeldPoses held{{}, std::vector<char>(table.markers.size(), 1)};
   held.markers[2] = held.markers[5] = 0;
   Vector6d off;
   off << 0.02, -0.03, 0.01, 0.02, 0.01, -0.02;
@@ -79,7 +79,7 @@ TEST(JointAdjustment, TheSameTwiceIsTheSameToTheLastBit) {
   auto table = test::table_of(room);
   const auto adjusted = [&] {
     MapState state = test::true_state(room, table);
-    adjust_jointly(table, test::all_observations(table), {0, {}},
+    adjust_jointly(table, test::all_observations(table), {{0}, {}},
                    {{Loss::huber, 6.0}, 50, 1e-10, 1e-6}, state);
     return state;
   };

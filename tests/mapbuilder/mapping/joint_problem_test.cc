@@ -24,7 +24,7 @@ class Problem : public testing::Test {
     state = test::true_state(room, table);
   }
   [[nodiscard]] JointProblem problem(const FreeCalibration& free, int threads = 1) const {
-    return {table, test::all_observations(table), state,  {0, {}},
+    return {table, test::all_observations(table), state,  {{0}, {}},
             free,  {Loss::squared, 6.0},          threads};
   }
   test::SyntheticRoom room;

@@ -66,6 +66,37 @@ TEST(CompareFrames, NamesExactlyWhatMovedAppearedAndVanished) {
       << "a waypoint stays within the map's own sigma, 1 mm an axis; " << off.transpose();
 }
 
+TEST(CompareFrames, SuspectsCarryNothingAndAreJudged) {
+  const SubMap old = hall(30, 1);
+  SubMap now = hall(30, 2);
+  // Most of what is common has moved alike: without suspicion it would carry the frame away.
+  std::set<MarkerId> suspects;
+  for (int i = 0; i < 18; ++i) {
+    now.markers[static_cast<std::size_t>(i)].world_from_marker.translation.x() += 0.5;
+    suspects.insert(id(i));
+  }
+  suspects.insert(id(20));  // which has not
+  const auto carried = compare_frames(now, old);
+  ASSERT_TRUE(carried);
+  EXPECT_EQ(carried->moved.size(), 12U);
+  const auto comparison = compare_frames(now, old, suspects);
+  ASSERT_TRUE(comparison);
+  EXPECT_EQ(comparison->moved.size(), 18U);
+  EXPECT_EQ(comparison->unmoved, 11U);
+  ASSERT_EQ(comparison->suspects_in_place.size(), 1U);
+  EXPECT_EQ(comparison->suspects_in_place[0].id, id(20));
+}
+
+TEST(CompareFrames, UnknownCovariancesLeaveThePlainLimits) {
+  SubMap old = hall(20, 3);
+  SubMap now = hall(20, 3);
+  for (MapMarker& marker : now.markers) marker.covariance = unknown_covariance();
+  now.markers[9].world_from_marker.translation.z() += 0.013;
+  const auto comparison = compare_frames(now, old);
+  ASSERT_TRUE(comparison);
+  EXPECT_EQ(comparison->moved.size(), 1U);
+}
+
 TEST(CompareFrames, JustBelowTheLimitIsNotMovedJustAboveIs) {
   const SubMap old = hall(20, 3);
   for (const double shift_m : {0.008, 0.013}) {

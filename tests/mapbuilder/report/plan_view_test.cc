@@ -48,26 +48,24 @@ double up_error_deg(const PlanView& view, const Rigid3& world_from_building) {
 
 TEST(PlanView, AKnownUpIsKeptAsItIs) {
   SubMap facility = hall();
-  facility.frame = FrameKind::facility;
-  for (const auto& view : {plan_view(facility, false, -Vector3d::UnitZ()),
-                           plan_view(hall(), true, -Vector3d::UnitZ())}) {
-    EXPECT_TRUE(view.z_is_up);
-    EXPECT_TRUE(view.plan_from_world.isApprox(Eigen::Quaterniond::Identity()));
-  }
+  facility.z_is_up = true;
+  const PlanView view = plan_view(facility, -Vector3d::UnitZ());
+  EXPECT_TRUE(view.z_is_up);
+  EXPECT_TRUE(view.plan_from_world.isApprox(Eigen::Quaterniond::Identity()));
 }
 
 TEST(PlanView, WallsStandUprightWhateverTheWorldFrame) {
   const SubMap submap = moved(hall(), kSomewhere);
   // Cameras that lean 15° say roughly where up is; the walls say it exactly.
   const Vector3d leaning = so3_exp({0.26, 0, 0}) * Vector3d::UnitZ();
-  const PlanView view = plan_view(submap, false, kSomewhere.rotation * leaning * 0.9);
+  const PlanView view = plan_view(submap, kSomewhere.rotation * leaning * 0.9);
   EXPECT_FALSE(view.z_is_up);
   EXPECT_LT(up_error_deg(view, kSomewhere), 0.01);
 }
 
 TEST(PlanView, WallsLieAlongThePageTheLongerWayAcross) {
   const SubMap submap = moved(hall(), kSomewhere);
-  const PlanView view = plan_view(submap, false, kSomewhere.rotation * Vector3d::UnitZ());
+  const PlanView view = plan_view(submap, kSomewhere.rotation * Vector3d::UnitZ());
   const Vector3d length = view.plan_from_world * (kSomewhere.rotation * Vector3d::UnitX());
   EXPECT_GT(std::abs(length.x()), 0.9999);
 }
@@ -78,7 +76,7 @@ TEST(PlanView, MarkersOnTheFloorFaceUp) {
     floor.markers.push_back(marker({1.0 * i, 0.5 * (i % 3), 0}, Vector3d::UnitZ()));
   }
   // A vehicle that turns while it looks down: its cameras' ups cancel out.
-  const PlanView view = plan_view(moved(floor, kSomewhere), false, Vector3d::Zero());
+  const PlanView view = plan_view(moved(floor, kSomewhere), Vector3d::Zero());
   EXPECT_LT(up_error_deg(view, kSomewhere), 0.01);
 }
 
@@ -88,7 +86,7 @@ TEST(PlanView, OneWallTakesTheRestFromTheCameras) {
     wall.markers.push_back(marker({0.5 * i, 0, 0.3 * (i % 4)}, Vector3d::UnitY()));
   }
   const PlanView view =
-      plan_view(moved(wall, kSomewhere), false, kSomewhere.rotation * Vector3d::UnitZ() * 0.95);
+      plan_view(moved(wall, kSomewhere), kSomewhere.rotation * Vector3d::UnitZ() * 0.95);
   EXPECT_LT(up_error_deg(view, kSomewhere), 0.5);
 }
 
@@ -96,7 +94,7 @@ TEST(PlanView, OneMarkerIsEnough) {
   SubMap one;
   one.markers.push_back(marker({1, 2, 3}, Vector3d::UnitX()));
   for (const Vector3d& up : {Vector3d(0, 0, 1), Vector3d(0, 0, 0), Vector3d(1, 0, 0)}) {
-    EXPECT_TRUE(plan_view(one, false, up).plan_from_world.coeffs().allFinite());
+    EXPECT_TRUE(plan_view(one, up).plan_from_world.coeffs().allFinite());
   }
 }
 
