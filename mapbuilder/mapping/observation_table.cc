@@ -209,11 +209,12 @@ std::string fingerprint(const Rig& rig) {
 
 bool are_same(const Rig& a, const Rig& b) {
   if (fingerprint(a) != fingerprint(b)) return false;
-  return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
-                    [](const RigCamera& one, const RigCamera& other) {
-                      return one.serial.empty() || other.serial.empty() ||
-                             one.serial == other.serial;
-                    });
+  return std::equal(
+      a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
+      [](const RigCamera& one, const RigCamera& other) {
+        return one.name == other.name &&
+               (one.serial.empty() || other.serial.empty() || one.serial == other.serial);
+      });
 }
 
 std::string fingerprint(const DetectedCapture& capture) {

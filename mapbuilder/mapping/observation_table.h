@@ -27,7 +27,7 @@ struct DetectedCapture {
 [[nodiscard]] std::string fingerprint(const Rig& rig);
 [[nodiscard]] std::string fingerprint(const DetectedCapture& capture);
 
-/// Whether two rigs are one: the same numbers, and no serial that says otherwise.
+/// Whether two rigs are one: the same names and numbers, and no serial that says otherwise.
 [[nodiscard]] bool are_same(const Rig& a, const Rig& b);
 
 /// One observation as mapping sees it.
