@@ -80,7 +80,7 @@ std::vector<Format> formats() {
          return decode_map(s, "hall.map");
        })},
       {"MapRecords", {encode_records(map)}, reader([](const std::string& s) {
-         return decode_records(s);
+         return decode_records(s, kMapContainerVersion);
        })},
       {"MapJson",
        {format_map_json(map)},
