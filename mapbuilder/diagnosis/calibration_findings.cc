@@ -8,6 +8,8 @@
 #include <cmath>
 #include <set>
 
+#include "mapbuilder/mapping/direction_hold.h"
+
 namespace waymark {
 namespace {
 
@@ -95,8 +97,27 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
   return finding;
 }
 
-/// Largest difference of two camera models over the image, with what a turn of the camera could
-/// take up left in (px): where bearings of the old one land in the new one.
+/// Whether what was fitted differs from the stated intrinsics by more than chance: the squared
+/// Mahalanobis distance, 8 freedoms. False where nothing is determined.
+bool differ_surely(const CameraModel& stated, const CameraModel& fitted,
+                   const CalibrationUncertainty& sure, std::size_t camera) {
+  if (sure.joint.size() == 0) return false;
+  const auto first = static_cast<Eigen::Index>(6 * sure.cameras.size() + 8 * camera);
+  const Eigen::Matrix<double, 8, 8> covariance = sure.joint.block<8, 8>(first, first);
+  // Per sigma, for focal lengths and lens coefficients are of different size.
+  const Intrinsics sigma = covariance.diagonal().cwiseSqrt();
+  if (!(sigma.minCoeff() > 0)) return false;
+  const Intrinsics per_sigma = sigma.cwiseInverse();
+  const Intrinsics off = per_sigma.cwiseProduct(intrinsics_of(fitted) - intrinsics_of(stated));
+  const double distance2 =
+      off.dot((per_sigma.asDiagonal() * covariance * per_sigma.asDiagonal()).ldlt().solve(off));
+  // As unlikely as five sigmas of one freedom.
+  constexpr double kByChance_8 = 44.0;
+  return distance2 > kByChance_8;
+}
+
+/// Largest difference of two camera models over the image, in px: where bearings of the old one
+/// land in the new one.
 double largest_shift_px(const CameraModel& before, const CameraModel& after) {
   constexpr int kSteps = 8;
   const CameraParameters& p = before.parameters();
@@ -136,7 +157,10 @@ void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& fi
            turned_rad > std::max(kWorthNaming_rad, kSigmas * sure.rotation_rad))) {
         findings.push_back(rig_misfit(stated, fitted, sure, calibration.refined));
       }
-      if (!judge_intrinsics || stated.model.parameters() == fitted.model.parameters()) continue;
+      if (!judge_intrinsics ||
+          !differ_surely(stated.model, fitted.model, calibration.uncertainty, index)) {
+        continue;
+      }
       constexpr double kWorthNaming_px = 1.0;
       const double shift_px = largest_shift_px(stated.model, fitted.model);
       const double focal =

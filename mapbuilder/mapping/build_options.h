@@ -14,6 +14,9 @@ struct RefinementLimits {
   double rotation_rad = 0.001745;  ///< (1e-5–0.1) 0.1°; of the lens: how far bearings may shift
   double focal = 0.003;            ///< (1e-5–0.1) as a share of the focal length
   double size = 0.003;             ///< (1e-5–0.1) as a share of the stated size
+  /// (2–100) Directions may exceed the limits by this factor and be held; beyond, where the
+  /// equations are no longer linear within a sigma, the refinement is refused as a whole.
+  double most_held = 10.0;
 };
 
 /// Options of a build. Defaults are what `mapbuilder build` uses.

@@ -85,14 +85,15 @@ Eigen::Index free_directions(const CalibrationUncertainty& sure, bool of_extrins
                        : (diagonal.tail(kIntrinsics * cameras).array() > 0).count();
 }
 
-void refuse_when_most_is_unsure(const CalibrationUncertainty& sure,
-                                const std::vector<UnsureDirection>& unsure, bool of_extrinsics,
-                                std::vector<std::string>& reasons) {
+void refuse_when_too_much_is_unsure(const CalibrationUncertainty& sure,
+                                    const std::vector<UnsureDirection>& unsure, bool of_extrinsics,
+                                    const RefinementLimits& limits,
+                                    std::vector<std::string>& reasons) {
   const auto alike = [&](const UnsureDirection& d) { return d.of_extrinsics == of_extrinsics; };
   const auto count = std::count_if(unsure.begin(), unsure.end(), alike);
   const Eigen::Index free = free_directions(sure, of_extrinsics);
-  if (free == 0 || 2 * count < free) return;
   const auto worst = std::find_if(unsure.rbegin(), unsure.rend(), alike);
+  if (count == 0 || (2 * count < free && worst->in_limits < limits.most_held)) return;
   reasons.push_back(fmt::format("{}: {} of {} directions can't be told; {}",
                                 of_extrinsics ? "extrinsics" : "intrinsics", count, free,
                                 worst->text));
@@ -122,7 +123,8 @@ std::vector<UnsureDirection> unsure_directions(const CalibrationUncertainty& sur
     direction.of_extrinsics = along.head(kExtrinsics * cameras).squaredNorm() > 0.5;
     Eigen::Index most = 0;
     along.cwiseAbs().maxCoeff(&most);
-    direction.text = text_of(most, std::sqrt(eigen.eigenvalues()[i]), stated_cameras, limits);
+    direction.in_limits = std::sqrt(eigen.eigenvalues()[i]);
+    direction.text = text_of(most, direction.in_limits, stated_cameras, limits);
     unsure.push_back(std::move(direction));
   }
   return unsure;
@@ -142,8 +144,8 @@ std::vector<std::string> reasons_against(const FreeCalibration& asked,
     reasons.emplace_back("some direction can't be told at all, whatever else is held");
     return reasons;
   }
-  if (asked.extrinsics) refuse_when_most_is_unsure(sure, unsure, true, reasons);
-  if (asked.intrinsics) refuse_when_most_is_unsure(sure, unsure, false, reasons);
+  if (asked.extrinsics) refuse_when_too_much_is_unsure(sure, unsure, true, limits, reasons);
+  if (asked.intrinsics) refuse_when_too_much_is_unsure(sure, unsure, false, limits, reasons);
   const auto too_loose = [&](double sigma) { return !(sigma <= limits.size); };
   const auto loose = std::find_if(sure.size_factor.begin(), sure.size_factor.end(), too_loose);
   if (asked.sizes && loose != sure.size_factor.end()) {

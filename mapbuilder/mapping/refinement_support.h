@@ -12,6 +12,7 @@ namespace waymark {
 struct UnsureDirection {
   HeldDirection hold;
   bool of_extrinsics = false;  ///< for the larger part; else of intrinsics
+  double in_limits = 0;        ///< its sigma over the limit
   std::string text;  ///< "cam2's position …: known to ± 4.2 mm only, 2 mm is asked for"
 };
 
@@ -23,8 +24,9 @@ struct UnsureDirection {
     const RefinementLimits& limits);
 
 /// Why what the user asks for can't be supported, a line each: a rig of one camera has no
-/// extrinsics; nothing is determined; as many directions unsure as sure (then those that look sure
-/// rest on what was held); sizes less sure than the limit. Empty: it can, but for `unsure`.
+/// extrinsics; nothing is determined; a direction far beyond its limit, or as many directions unsure
+/// as sure (then those that look sure rest on what was held); sizes less sure than the limit.
+/// Empty: it can, but for `unsure`.
 [[nodiscard]] std::vector<std::string> reasons_against(const FreeCalibration& asked,
                                                        const CalibrationUncertainty& sure,
                                                        const std::vector<UnsureDirection>& unsure,
