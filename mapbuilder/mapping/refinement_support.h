@@ -24,9 +24,9 @@ struct UnsureDirection {
     const RefinementLimits& limits);
 
 /// Why what the user asks for can't be supported, a line each: a rig of one camera has no
-/// extrinsics; nothing is determined; a direction far beyond its limit, or as many directions unsure
-/// as sure (then those that look sure rest on what was held); sizes less sure than the limit.
-/// Empty: it can, but for `unsure`.
+/// extrinsics; nothing is determined; a direction far beyond its limit, or as many directions
+/// unsure as sure (then those that look sure rest on what was held); sizes less sure than the
+/// limit. Empty: it can, but for `unsure`.
 [[nodiscard]] std::vector<std::string> reasons_against(const FreeCalibration& asked,
                                                        const CalibrationUncertainty& sure,
                                                        const std::vector<UnsureDirection>& unsure,
