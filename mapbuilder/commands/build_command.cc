@@ -10,6 +10,7 @@
 #include "core/map/quarantine.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
+#include "mapbuilder/diagnosis/diagnosed_build.h"
 #include "mapbuilder/diagnosis/frame_findings.h"
 #include "mapbuilder/diagnosis/quarantine_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
@@ -208,7 +209,8 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
-  BuildResult result = build_map(*table, build, progress);
+  DiagnosedBuild diagnosed = build_and_diagnose(*table, build, {}, progress);
+  BuildResult& result = diagnosed.result;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   if (result.submaps.empty()) {
     return fail(ErrorKind::bad_data,
@@ -218,6 +220,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 table->observations.size());
   }
   std::vector<Finding> findings = calibration_findings(result, *table, build);
+  for (Finding& finding : diagnosed.findings) findings.push_back(std::move(finding));
   for (Finding& finding : take_over(earlier, quarantine, result)) {
     findings.push_back(std::move(finding));
   }

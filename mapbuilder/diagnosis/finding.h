@@ -31,8 +31,8 @@ enum class FindingKind {
   covariances_unknown,     ///< the observations don't fix all markers against each other
   repeated_in_image,       ///< an id was found twice in one image
   marker_moved,            ///< against an earlier map (--frame-of, --quarantine): stands elsewhere
-  marker_appeared,         ///< against an earlier map: new
-  marker_vanished,         ///< against an earlier map: no longer seen
+  marker_appeared,         ///< against an earlier map or an earlier capture: new
+  marker_vanished,         ///< against an earlier map or an earlier capture: no longer seen
   poor_fit,                ///< corners are far off, and nothing says why
   no_marker_seen,          ///< frame sets without a usable marker
   no_square,               ///< detections whose corners are no view of a square

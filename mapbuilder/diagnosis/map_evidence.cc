@@ -2,82 +2,154 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
+#include <numeric>
 
 namespace waymark {
+namespace {
 
-MapEvidence::MapEvidence(ObservationTable& table, const BuiltSubMap& submap,
-                         const BuildOptions& options)
+/// IPPE's solutions scale with the size.
+void resize(MarkerObservation& observation, double size_m) {
+  if (observation.ippe) {
+    for (Rigid3& cam_from_marker : observation.ippe->cam_from_marker) {
+      cam_from_marker.translation *= size_m / observation.size_m;
+    }
+  }
+  observation.size_m = size_m;
+}
+
+}  // namespace
+
+MapEvidence::MapEvidence(ObservationTable& table, const ComponentFit& fit,
+                         const BuildOptions& options, const std::vector<double>& stated_sizes_m)
     : table_(table),
-      submap_(submap),
+      fit_(fit),
       options_(options),
+      stated_sizes_m_(stated_sizes_m),
       places_(table.markers.size()),
       rigs_(table.frame_sets.size()),
-      accepted_in_set_(table.frame_sets.size(), 0),
-      accepted_(table.observations.size(), 0) {
+      unused_of_(table.markers.size()),
+      unused_in_(table.frame_sets.size()),
+      accepted_(table.observations.size(), 1) {
+  options_.growth.rig_pose.loss = options.loss;
+  options_.growth.placement.loss = options.loss;
   NoiseModel noise = options.noise;
-  noise.model_sigma_px = submap.model_sigma_px;
+  noise.model_sigma_px = fit.model_sigma_px;
   set_whitening(table, noise);
-  std::map<MarkerId, std::size_t> index_of;
-  for (std::size_t m = 0; m < table.markers.size(); ++m) index_of.emplace(table.markers[m], m);
-  for (const MapMarker& marker : submap.map.markers) {
-    places_[index_of.at(marker.id)] = SizedPlace{marker.world_from_marker, marker.size_m};
+  for (TableObservation& o : table.unused) {
+    resize(o, table.sizes_m[static_cast<std::size_t>(o.marker)]);
   }
-  for (const LocalizedFrameSet& set : submap.trajectory) {
-    rigs_[static_cast<std::size_t>(set.frame_set)] = set.world_from_rig;
+  for (std::size_t i = 0; i < fit.component.markers.size(); ++i) {
+    const auto m = static_cast<std::size_t>(fit.component.markers[i]);
+    if (fit.world_from_marker[i]) {
+      places_[m] = SizedPlace{*fit.world_from_marker[i], table.sizes_m[m]};
+    }
   }
-  for (const ObservationResidual& residual : submap.residuals) {
-    if (!residual.accepted) continue;
-    accepted_[residual.observation] = 1;
-    ++accepted_in_set_[static_cast<std::size_t>(
-        table.observations[residual.observation].frame_set)];
+  for (std::size_t i = 0; i < fit.component.frame_sets.size(); ++i) {
+    rigs_[static_cast<std::size_t>(fit.component.frame_sets[i])] = fit.world_from_rig[i];
   }
+  for (const std::size_t index : fit.rejected) accepted_[index] = 0;
+  for (std::size_t i = 0; i < table.unused.size(); ++i) {
+    const TableObservation& o = table.unused[i];
+    const std::size_t index = table.observations.size() + i;
+    unused_of_[static_cast<std::size_t>(o.marker)].push_back(index);
+    unused_in_[static_cast<std::size_t>(o.frame_set)].push_back(index);
+  }
+}
+
+const TableObservation& MapEvidence::observation(std::size_t index) const {
+  return index < table_.observations.size() ? table_.observations[index]
+                                            : table_.unused[index - table_.observations.size()];
+}
+
+std::vector<std::size_t> MapEvidence::indices_in(int frame_set) const {
+  const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
+  std::vector<std::size_t> indices(set.observation_count);
+  std::iota(indices.begin(), indices.end(), set.first_observation);
+  const auto& unused = unused_in_[static_cast<std::size_t>(frame_set)];
+  indices.insert(indices.end(), unused.begin(), unused.end());
+  return indices;
+}
+
+std::vector<const TableObservation*> MapEvidence::seen_in(int frame_set) const {
+  std::vector<const TableObservation*> seen;
+  for (const std::size_t index : indices_in(frame_set)) seen.push_back(&observation(index));
+  return seen;
+}
+
+std::vector<MarkerView> MapEvidence::views_in(int frame_set) const {
+  std::vector<MarkerView> views;
+  for (const std::size_t index : indices_in(frame_set)) {
+    views.push_back(view_of(observation(index), index));
+  }
+  return views;
+}
+
+double MapEvidence::gate_sigmas2() const {
+  return options_.gate.reject_sigmas * options_.gate.reject_sigmas;
+}
+
+const Rig& MapEvidence::rig_of(int frame_set) const {
+  return fit_
+      .rigs[static_cast<std::size_t>(table_.frame_sets[static_cast<std::size_t>(frame_set)].rig)];
+}
+
+RigPoseSolver MapEvidence::solver_for(int frame_set) const {
+  return {rig_of(frame_set), options_.growth.rig_pose};
+}
+
+bool MapEvidence::is_accepted(std::size_t index) const {
+  return index < accepted_.size() && accepted_[index] != 0 &&
+         places_[static_cast<std::size_t>(table_.observations[index].marker)];
 }
 
 MarkerView MapEvidence::view_of(const TableObservation& o, std::size_t index) const {
   MarkerView view;
   view.observation = &o;
-  view.camera = &camera_of(table_, o);
-  view.world_from_cam = *rigs_[static_cast<std::size_t>(o.frame_set)] * view.camera->rig_from_cam;
+  view.camera = &rig_of(o.frame_set).cameras[static_cast<std::size_t>(o.camera)];
+  view.world_from_cam =
+      rigs_[static_cast<std::size_t>(o.frame_set)].value_or(Rigid3{}) * view.camera->rig_from_cam;
   view.index = index;
-  view.accepted = accepted_[index] != 0;
+  view.accepted = is_accepted(index);
   const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(o.frame_set)];
   for (std::size_t i = 0; i < set.observation_count; ++i) {
     const std::size_t other = set.first_observation + i;
-    if (accepted_[other] != 0 && table_.observations[other].marker != o.marker) ++view.others;
+    if (is_accepted(other) && table_.observations[other].marker != o.marker) ++view.others;
   }
   return view;
 }
 
 std::vector<MarkerView> MapEvidence::views_of(int marker, int least_others) const {
   std::vector<MarkerView> views;
-  const auto add = [&](const TableObservation& o, std::size_t index) {
-    if (o.marker != marker || !rigs_[static_cast<std::size_t>(o.frame_set)]) return;
+  const auto m = static_cast<std::size_t>(marker);
+  const auto add = [&](std::size_t index) {
+    const TableObservation& o = observation(index);
+    if (!rigs_[static_cast<std::size_t>(o.frame_set)]) return;
     const MarkerView view = view_of(o, index);
     if (view.others >= least_others) views.push_back(view);
   };
-  for (const std::size_t index : table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
-    add(table_.observations[index], index);
-  }
+  for (const std::size_t index : table_.observations_of_marker[m]) add(index);
+  for (const std::size_t index : unused_of_[m]) add(index);
   return views;
+}
+
+std::vector<FixedMarkerObservation> MapEvidence::others_of(const MarkerView& view) const {
+  std::vector<FixedMarkerObservation> others;
+  const TableObservation& own = *view.observation;
+  const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(own.frame_set)];
+  for (std::size_t i = 0; i < set.observation_count; ++i) {
+    const std::size_t index = set.first_observation + i;
+    const TableObservation& o = table_.observations[index];
+    if (!is_accepted(index) || o.marker == own.marker) continue;
+    others.push_back({&o, places_[static_cast<std::size_t>(o.marker)]->world_from_marker});
+  }
+  return others;
 }
 
 std::vector<MarkerView> MapEvidence::independent_views_of(int marker, int least_others) const {
   std::vector<MarkerView> independent;
   for (MarkerView view : views_of(marker, least_others)) {
-    const auto f = static_cast<std::size_t>(view.observation->frame_set);
-    const TableFrameSet& set = table_.frame_sets[f];
-    std::vector<FixedMarkerObservation> others;
-    for (std::size_t i = 0; i < set.observation_count; ++i) {
-      const std::size_t index = set.first_observation + i;
-      const TableObservation& o = table_.observations[index];
-      if (accepted_[index] == 0 || o.marker == marker) continue;
-      others.push_back({&o, places_[static_cast<std::size_t>(o.marker)]->world_from_marker});
-    }
-    RigPoseOptions options = options_.growth.rig_pose;
-    options.loss = options_.loss;
-    const RigPoseSolver solver(table_.rigs[static_cast<std::size_t>(set.rig)], options);
-    const auto found = solver.refine(others, *rigs_[f]);
+    const int frame_set = view.observation->frame_set;
+    const auto found = solver_for(frame_set).refine(others_of(view), *world_from_rig(frame_set));
     if (!found) continue;
     view.world_from_cam = found->pose * view.camera->rig_from_cam;
     independent.push_back(view);
@@ -85,23 +157,18 @@ std::vector<MarkerView> MapEvidence::independent_views_of(int marker, int least_
   return independent;
 }
 
-namespace {
-
-/// The view's observation as one of a marker of the place's size.
-MarkerObservation sized(const MarkerView& view, double size_m) {
+MarkerObservation sized_as(const MarkerView& view, double size_m) {
   MarkerObservation observation = *view.observation;
-  observation.size_m = size_m;
+  resize(observation, size_m);
   return observation;
 }
-
-}  // namespace
 
 double distance_px(const MarkerView& view, const SizedPlace& place) {
   const Rigid3 cam_from_marker = view.world_from_cam.inverse() * place.world_from_marker;
   const Eigen::Vector3d normal = cam_from_marker.rotation * Eigen::Vector3d::UnitZ();
   if (normal.dot(cam_from_marker.translation) >= 0) return std::numeric_limits<double>::infinity();
   const auto residuals =
-      corner_residuals(sized(view, place.size_m), view.camera->model, cam_from_marker);
+      corner_residuals(sized_as(view, place.size_m), view.camera->model, cam_from_marker);
   if (!residuals) return std::numeric_limits<double>::infinity();
   double sum = 0;
   for (const Eigen::Vector2d& r : *residuals) sum += r.squaredNorm();
@@ -109,7 +176,7 @@ double distance_px(const MarkerView& view, const SizedPlace& place) {
 }
 
 double misfit_sigmas2(const MarkerView& view, const SizedPlace& place) {
-  return squared_residual(sized(view, place.size_m), view.camera->model,
+  return squared_residual(sized_as(view, place.size_m), view.camera->model,
                           view.world_from_cam.inverse() * place.world_from_marker);
 }
 

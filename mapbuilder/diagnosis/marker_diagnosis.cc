@@ -11,9 +11,13 @@ namespace {
 /// What is found out about one marker.
 struct MarkerVerdict {
   std::vector<WrongId> wrong_ids;
-  std::vector<PlaceCluster> places;  ///< only where something contradicts the mapped one
-  std::vector<MarkerView> strays;    ///< at none of its places
+  std::optional<DisplacedMarker> displaced;
+  std::vector<MarkerView> strays;  ///< at none of its places
 };
+
+/// Too few views to say what stands there: a wrong id looks the same, and proves nothing about
+/// others.
+constexpr std::ptrdiff_t kFewViews = 3;
 
 class MarkerJudge {
  public:
@@ -21,133 +25,163 @@ class MarkerJudge {
       : evidence_(evidence),
         options_(options),
         places_(evidence.table().markers.size()),
-        verdicts_(places_.size()) {
-    for (std::size_t m = 0; m < places_.size(); ++m) {
-      const int marker = static_cast<int>(m);
+        judge_(evidence, places_, options.wrong_ids) {
+    for (const int marker : evidence.component().markers) {
       if (!evidence.place(marker)) continue;
-      if (stands_on_another(evidence, marker) || too_rare(marker)) {
+      if (views_of(marker, true) < kFewViews || stands_on_another(evidence, marker)) {
         doubtful_.insert(marker);
       } else {
-        places_[m].push_back(*evidence.place(marker));
+        places_[static_cast<std::size_t>(marker)].push_back(*evidence.place(marker));
       }
     }
   }
 
-  MarkerDiagnosis judge() {
+  MarkerDiagnosis diagnose() {
     MarkerDiagnosis diagnosis;
     diagnosis.sizes = find_wrong_sizes(evidence_, options_.size);
     // A marker of wrong size seems to be where it is not; it is judged again when its size is
     // right.
-    std::vector<char> judged(places_.size(), 1);
-    for (const WrongSize& wrong : diagnosis.sizes)
-      judged[static_cast<std::size_t>(wrong.marker)] = 0;
+    std::vector<int> judged = evidence_.component().markers;
+    for (const WrongSize& wrong : diagnosis.sizes) std::erase(judged, wrong.marker);
 
-    parallel_for(places_.size(), evidence_.options().threads, [&](std::size_t m) {
-      if (judged[m] != 0) verdicts_[m] = first_verdict(static_cast<int>(m));
+    std::vector<MarkerVerdict> verdicts(judged.size());
+    parallel_for(judged.size(), evidence_.options().threads,
+                 [&](std::size_t i) { verdicts[i] = verdict_of(judged[i]); });
+    for (std::size_t i = 0; i < judged.size(); ++i) {
+      if (!verdicts[i].displaced) continue;
+      auto& places = places_[static_cast<std::size_t>(judged[i])];
+      places.clear();
+      for (const PlaceCluster& cluster : verdicts[i].displaced->places) {
+        places.push_back(cluster.place);
+      }
+    }
+    // Now that all places of all markers are known:
+    std::vector<WrongId>& wrong_ids = diagnosis.wrong_ids;
+    for (MarkerVerdict& verdict : verdicts) {
+      wrong_ids.insert(wrong_ids.end(), verdict.wrong_ids.begin(), verdict.wrong_ids.end());
+      for (const MarkerView& view : verdict.strays) {
+        if (const auto wrong = judge_.wrong_id(view)) {
+          wrong_ids.push_back(*wrong);
+        } else if (const auto stray = judge_.stray(view)) {
+          diagnosis.strays.push_back(*stray);
+        }
+      }
+      if (verdict.displaced) diagnosis.displaced.push_back(*std::move(verdict.displaced));
+    }
+    for (const int frame_set : contradictory_pairs(wrong_ids)) {
+      if (const auto wrong = judge_.wrong_of_two(frame_set)) wrong_ids.push_back(*wrong);
+    }
+    diagnosis.part_time = find_part_time_markers(evidence_, options_.presence);
+    std::erase_if(diagnosis.part_time, [&](const PartTimeMarker& marker) {
+      return doubtful_.contains(marker.marker) ||
+             std::any_of(diagnosis.displaced.begin(), diagnosis.displaced.end(),
+                         [&](const auto& d) { return d.marker == marker.marker; });
     });
-    for (std::size_t m = 0; m < places_.size(); ++m) {
-      if (verdicts_[m].places.empty()) continue;
-      places_[m].clear();
-      for (const PlaceCluster& cluster : verdicts_[m].places) places_[m].push_back(cluster.place);
-    }
-    for (std::size_t m = 0; m < places_.size(); ++m) {
-      if (judged[m] != 0) conclude(static_cast<int>(m), diagnosis);
-    }
     return diagnosis;
   }
 
  private:
   /// What the marker's own views and the mapped places of the others tell.
-  [[nodiscard]] MarkerVerdict first_verdict(int marker) const {
+  [[nodiscard]] MarkerVerdict verdict_of(int marker) const {
     MarkerVerdict verdict;
     std::vector<MarkerView> firm;
     bool contradicted = false;
     for (const MarkerView& view : evidence_.views_of(marker, 1)) {
-      if (!view.accepted || doubtful_.contains(marker)) {
-        if (const auto wrong = wrong_id(view)) {
+      const bool contradicts = !view.accepted && !at_home(view);
+      if (contradicts || doubtful_.contains(marker)) {
+        if (const auto wrong = judge_.wrong_id(view)) {
           verdict.wrong_ids.push_back(*wrong);
           continue;
         }
       }
       if (view.others < 2) continue;
-      contradicted = contradicted || !view.accepted;
+      contradicted = contradicted || contradicts;
       firm.push_back(view);
     }
-    if (!contradicted) return verdict;
-    verdict.places = find_places(evidence_, firm, options_.places);
-    const double gate = evidence_.options().gate.reject_sigmas;
-    for (const MarkerView& view : firm) {
-      const bool fits = std::any_of(verdict.places.begin(), verdict.places.end(),
-                                    [&](const PlaceCluster& cluster) {
-                                      return misfit_sigmas2(view, cluster.place) <= gate * gate;
-                                    });
-      if (!fits && !view.accepted) verdict.strays.push_back(view);
+    if (views_of(marker, false) < kFewViews) {
+      verdict.strays = firm;
+      return verdict;
     }
-    if (verdict.places.size() < 2) verdict.places.clear();
+    if (!contradicted) return verdict;
+    const auto places = find_places(evidence_, firm, options_.places);
+    if (getenv("DX")) {
+      fprintf(stderr, "DX marker %d firm %zu places", evidence_.table().markers[marker].number, firm.size());
+      for (auto& p : places) fprintf(stderr, " [%zu views sigma %.4f at %.3f %.3f %.3f]", p.views.size(), p.sigma_m, p.place.world_from_marker.translation.x(), p.place.world_from_marker.translation.y(), p.place.world_from_marker.translation.z());
+      fprintf(stderr, "\n");
+      if (places.size() > 1) { auto h = history_of(evidence_, places[0], places[1], options_.history); fprintf(stderr, "   story %d at_once %d inter %d empty %d later %d\n", (int)h.story, h.at_once, h.interleaved, h.empty_looks, h.second_is_later ? (int)*h.second_is_later : -1); }
+      for (auto& v : firm) fprintf(stderr, "   view set %d cam %d others %d accepted %d home %.1f px side %.1f\n", v.observation->frame_set, v.observation->camera, v.others, v.accepted, evidence_.place(marker) ? distance_px(v, *evidence_.place(marker)) : -1, side_px(v));
+    }
+    verdict.displaced = displaced(marker, places);
+    for (const MarkerView& view : firm) {
+      if (view.accepted || at_home(view)) continue;
+      const bool fits = verdict.displaced && std::any_of(places.begin(), places.end(),
+                                                         [&](const PlaceCluster& cluster) {
+                                                           return fits_at(view, cluster.place);
+                                                         });
+      if (!fits) verdict.strays.push_back(view);
+    }
     return verdict;
   }
 
-  /// The view as a wrong id, when another mapped marker stands where it was seen.
-  [[nodiscard]] std::optional<WrongId> wrong_id(const MarkerView& view) const {
-    const auto& own = places_[static_cast<std::size_t>(view.observation->marker)];
-    if (nearest_px(view, own) < options_.wrong_ids.least_to_own * side_px(view)) return {};
-    const int shown = marker_shown(view, places_, options_.wrong_ids);
-    if (shown < 0) return {};
-    return WrongId{view, shown};
-  }
-
-  /// Too few views to say that a marker is there: a wrong id looks the same.
-  [[nodiscard]] bool too_rare(int marker) const {
-    constexpr std::ptrdiff_t kLeastViews = 3;
+  [[nodiscard]] std::ptrdiff_t views_of(int marker, bool accepted_only) const {
     const auto views = evidence_.views_of(marker, 0);
-    return std::count_if(views.begin(), views.end(),
-                         [](const MarkerView& v) { return v.accepted; }) < kLeastViews;
+    return std::count_if(views.begin(), views.end(), [&](const MarkerView& view) {
+      return view.accepted || !accepted_only;
+    });
   }
 
-  /// What is left when all places of all markers are known.
-  void conclude(int marker, MarkerDiagnosis& diagnosis) const {
-    const MarkerVerdict& verdict = verdicts_[static_cast<std::size_t>(marker)];
-    diagnosis.wrong_ids.insert(diagnosis.wrong_ids.end(), verdict.wrong_ids.begin(),
-                               verdict.wrong_ids.end());
-    const auto& own = places_[static_cast<std::size_t>(marker)];
-    for (const MarkerView& view : verdict.strays) {
-      if (const auto wrong = wrong_id(view)) {
-        diagnosis.wrong_ids.push_back(*wrong);
-      } else if (!own.empty() && view.others >= options_.wrong_ids.least_others_alone &&
-                 nearest_px(view, own) > options_.wrong_ids.least_to_own_alone * side_px(view)) {
-        diagnosis.wrong_ids.push_back({view, -1});
-      }
-    }
-    if (verdict.places.empty()) {
-      if (doubtful_.contains(marker) && verdict.wrong_ids.empty() && verdict.strays.empty()) {
-        for (const MarkerView& view : evidence_.views_of(marker, 1)) {
-          if (const auto wrong = wrong_id(view)) diagnosis.wrong_ids.push_back(*wrong);
-        }
-      }
-      return;
-    }
+  [[nodiscard]] bool fits_at(const MarkerView& view, const SizedPlace& place) const {
+    return misfit_sigmas2(view, place) <= evidence_.gate_sigmas2();
+  }
+
+  /// Whether the view shows the marker where the map has it.
+  [[nodiscard]] bool at_home(const MarkerView& view) const {
+    const auto& home = evidence_.place(view.observation->marker);
+    return home && fits_at(view, *home);
+  }
+
+  [[nodiscard]] std::optional<DisplacedMarker> displaced(
+      int marker, const std::vector<PlaceCluster>& places) const {
+    if (places.size() < 2) return std::nullopt;
     DisplacedMarker displaced;
     displaced.marker = marker;
-    displaced.places = verdict.places;
-    displaced.history = history_of(evidence_, verdict.places[0], verdict.places[1]);
-    if (verdict.places.size() == 2 && displaced.history.story != PlaceStory::twin &&
+    displaced.places = places;
+    displaced.history = history_of(evidence_, places[0], places[1], options_.history);
+    if (displaced.history.story == PlaceStory::none) return std::nullopt;
+    if (places.size() == 2 && displaced.history.story != PlaceStory::twin &&
         displaced.history.second_is_later) {
       displaced.kept = *displaced.history.second_is_later ? 1 : 0;
     }
-    diagnosis.displaced.push_back(std::move(displaced));
+    return displaced;
+  }
+
+  /// Frame sets that see two markers of which the gate rejects one or both, and of which nothing is
+  /// known to be wrong yet.
+  [[nodiscard]] std::vector<int> contradictory_pairs(const std::vector<WrongId>& known) const {
+    std::set<int> done;
+    for (const WrongId& wrong : known) done.insert(wrong.view.observation->frame_set);
+    std::vector<int> pairs;
+    for (const int frame_set : evidence_.component().frame_sets) {
+      if (done.contains(frame_set)) continue;
+      const auto views = evidence_.views_in(frame_set);
+      if (views.size() == 2 && !(views[0].accepted && views[1].accepted)) {
+        pairs.push_back(frame_set);
+      }
+    }
+    return pairs;
   }
 
   const MapEvidence& evidence_;
   DiagnosisOptions options_;
-  std::vector<std::vector<SizedPlace>> places_;  ///< per marker
-  std::vector<MarkerVerdict> verdicts_;
+  PlacesOfMarkers places_;
+  WrongIdJudge judge_;
   std::set<int> doubtful_;  ///< mapped, but perhaps only read off other markers
 };
 
 }  // namespace
 
 MarkerDiagnosis diagnose_markers(const MapEvidence& evidence, const DiagnosisOptions& options) {
-  return MarkerJudge(evidence, options).judge();
+  return MarkerJudge(evidence, options).diagnose();
 }
 
 }  // namespace waymark

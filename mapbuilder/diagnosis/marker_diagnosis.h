@@ -4,6 +4,8 @@
 
 #include "mapbuilder/diagnosis/map_evidence.h"
 #include "mapbuilder/diagnosis/marker_places.h"
+#include "mapbuilder/diagnosis/place_history.h"
+#include "mapbuilder/diagnosis/presence.h"
 #include "mapbuilder/diagnosis/size_fit.h"
 #include "mapbuilder/diagnosis/wrong_ids.h"
 
@@ -13,7 +15,9 @@ namespace waymark {
 struct DiagnosisOptions {
   SizeOptions size;
   PlaceOptions places;
+  HistoryOptions history;
   WrongIdOptions wrong_ids;
+  PresenceOptions presence;
 };
 
 /// An id that was seen at more than one place.
@@ -25,13 +29,19 @@ struct DisplacedMarker {
   std::optional<std::size_t> kept;
 };
 
-/// What is wrong with the markers of one sub-map. Sound ones are in none of the lists.
+/// What is wrong with the markers of one component. Sound ones are in none of the lists.
 struct MarkerDiagnosis {
   std::vector<WrongSize> sizes;
   std::vector<DisplacedMarker> displaced;
-  std::vector<WrongId> wrong_ids;
+  std::vector<WrongId> wrong_ids;  ///< each shows another marker of the map
+  /// Rejected detections that show no marker of the map, and markers that come or go: what is left
+  /// to say when nothing else is wrong, and may have another reason when something is.
+  std::vector<WrongId> strays;
+  std::vector<PartTimeMarker> part_time;
 };
 
+/// Looks at what contradicts the map: observations that the gate rejects, ids found twice in one
+/// image, ids that stand on other markers, and sizes.
 [[nodiscard]] MarkerDiagnosis diagnose_markers(const MapEvidence& evidence,
                                                const DiagnosisOptions& options);
 

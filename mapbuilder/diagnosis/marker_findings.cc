@@ -1,6 +1,7 @@
 #include "mapbuilder/diagnosis/marker_findings.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <map>
@@ -54,16 +55,16 @@ class FindingWriter {
           "{} views place it at one spot, {} at another one {:.3f} m away, {}. Both are kept out "
           "of the map.",
           a.views.size(), b.views.size(), apart_m,
-          displaced.history.interleaved
-              ? "in turn"
-              : "and nobody looked at one of the two while it should have been empty (it may also "
-                "have been moved)");
+          displaced.history.at_once       ? "at once"
+          : displaced.history.interleaved ? "in turn"
+                                          : "and nobody looked at one of the two while it should "
+                                            "have been empty (it may also have been moved)");
       finding.remedy = "Take one of them down or give it another id, then record again.";
     } else {
       finding.title = fmt::format("Marker {} was moved by {:.3f} m {}", which, apart_m,
                                   during ? "during a capture" : "between captures");
       finding.evidence = fmt::format(
-          "{} views place it at one spot, {} at another; in {} frame sets it should have been seen "
+          "{} views place it at one spot, {} at another; in {} frame sets it would have been seen "
           "where it no longer, or not yet, was. {}",
           a.views.size(), b.views.size(), displaced.history.empty_looks,
           displaced.kept ? "The map keeps the later place."
@@ -118,6 +119,28 @@ class FindingWriter {
     return finding;
   }
 
+  [[nodiscard]] Finding part_time(const PartTimeMarker& marker) const {
+    const bool came = marker.appeared.value_or(false);
+    Finding finding =
+        about(came ? FindingKind::marker_appeared : FindingKind::marker_vanished, marker.marker);
+    finding.severity = Severity::note;
+    finding.title = fmt::format("Marker {} {}", name(marker.marker),
+                                !marker.appeared ? "hangs in some captures and not in others"
+                                : came           ? "is new"
+                                                 : "is gone");
+    const std::set<int> seen(marker.seen_in.begin(), marker.seen_in.end());
+    const std::set<int> empty(marker.empty_in.begin(), marker.empty_in.end());
+    finding.evidence = fmt::format(
+        "It is seen in {}; in {} {} frame sets look at its place with clear sight and do not find "
+        "it.",
+        fmt::join(names_of(seen), ", "), fmt::join(names_of(empty), ", "), marker.empty_looks);
+    finding.remedy = came ? "Nothing needs to be done."
+                          : "If it hangs there still, see what covers it; the map keeps it.";
+    finding.captures = names_of(empty);
+    finding.figures = {{"looks that did not find it", static_cast<double>(marker.empty_looks), "", {}}};
+    return finding;
+  }
+
  private:
   [[nodiscard]] Finding about(FindingKind kind, int marker) const {
     Finding finding;
@@ -149,20 +172,24 @@ class FindingWriter {
 
 }  // namespace
 
-std::vector<Finding> marker_findings(const MapEvidence& evidence, const MarkerDiagnosis& diagnosis,
-                                     std::size_t submap) {
-  const FindingWriter writer(evidence.table());
+std::vector<Finding> marker_findings(const ObservationTable& table,
+                                     const MarkerDiagnosis& diagnosis) {
+  const FindingWriter writer(table);
   std::vector<Finding> findings;
   for (const WrongSize& wrong : diagnosis.sizes) findings.push_back(writer.wrong_size(wrong));
   for (const DisplacedMarker& marker : diagnosis.displaced) {
     findings.push_back(writer.displaced(marker));
   }
   std::map<int, std::vector<const WrongId*>> by_marker;
-  for (const WrongId& wrong : diagnosis.wrong_ids) {
-    by_marker[wrong.view.observation->marker].push_back(&wrong);
+  for (const auto* wrong_ids : {&diagnosis.wrong_ids, &diagnosis.strays}) {
+    for (const WrongId& wrong : *wrong_ids) {
+      by_marker[wrong.view.observation->marker].push_back(&wrong);
+    }
   }
   for (const auto& [marker, wrong] : by_marker) findings.push_back(writer.wrong_ids(wrong));
-  for (Finding& finding : findings) finding.submap = submap;
+  for (const PartTimeMarker& marker : diagnosis.part_time) {
+    findings.push_back(writer.part_time(marker));
+  }
   return findings;
 }
 

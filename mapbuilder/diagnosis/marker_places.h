@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "mapbuilder/diagnosis/map_evidence.h"
@@ -17,13 +16,13 @@ struct PlaceCluster {
 
 /// What is to count as a place.
 struct PlaceOptions {
-  /// (3–50) Views that must agree: two can by accident, when a wrong id is read twice.
+  /// (3–50) Frame sets that must agree: two can by accident, when a wrong id is read twice.
   int least_views = 3;
   /// (0.5–30°) Directions they must be seen from: views from one spot agree on anything.
   double least_parallax_rad = 0.035;
-  /// (0.05–2, of the marker's side) Nearer places are one: a bad calibration tears a place apart
-  /// by as much as a tenth.
+  /// (0.05–2, of the marker's side) Nearer places are one, unless the marker is turned by
   double least_separation = 0.25;
+  double least_turn_rad = 0.35;  ///< (0.1–1.5) this: more than a flip of weak views
 };
 
 /// All places that views of one id agree on, most views first; each view is in at most one. Found
@@ -31,24 +30,5 @@ struct PlaceOptions {
 [[nodiscard]] std::vector<PlaceCluster> find_places(const MapEvidence& evidence,
                                                     std::vector<MarkerView> views,
                                                     const PlaceOptions& options);
-
-/// How a marker's second place came about.
-enum class PlaceStory {
-  twin,                   ///< seen at both places in turn, or nobody looked at the empty place
-  moved_during_capture,   ///< first here, then there, and one of both was seen empty
-  moved_between_captures  ///< here in some captures, there in others
-};
-
-struct PlaceHistory {
-  PlaceStory story = PlaceStory::twin;
-  /// Which of two places is the later one; nullopt: clocks don't tell.
-  std::optional<bool> second_is_later;
-  bool interleaved = false;  ///< seen at both places in turn
-  int empty_looks = 0;  ///< frame sets that should have seen it where it no longer, or not yet, was
-};
-
-/// Tells from stamps, and from looks at the empty place, how an id comes to two places.
-[[nodiscard]] PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
-                                      const PlaceCluster& second);
 
 }  // namespace waymark

@@ -96,6 +96,12 @@ SizeScatter scatter_of(const std::vector<Deviation>& deviations) {
   return scatter;
 }
 
+/// Logarithm of a fitted size over the stated one.
+double deviation_of(const MapEvidence& evidence, int marker, const SizeFit& fit) {
+  const double used_m = evidence.table().sizes_m[static_cast<std::size_t>(marker)];
+  return std::log(fit.factor * used_m / evidence.stated_size_m(marker));
+}
+
 /// The best fit over starts that are far too small to far too large.
 std::optional<SizeFit> fit_from_afar(std::span<const MarkerView> views,
                                      const MapEvidence& evidence) {
@@ -154,9 +160,10 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
   constexpr std::size_t kFitViews = 64;
   const ObservationTable& table = evidence.table();
   const auto least_views = static_cast<std::size_t>(options.least_views);
-  std::vector<std::optional<Deviation>> found(table.markers.size());
-  parallel_for(table.markers.size(), evidence.options().threads, [&](std::size_t m) {
-    const auto marker = static_cast<int>(m);
+  const std::vector<int>& markers = evidence.component().markers;
+  std::vector<std::optional<Deviation>> found(markers.size());
+  parallel_for(markers.size(), evidence.options().threads, [&](std::size_t m) {
+    const int marker = markers[m];
     auto views = thinned(evidence.views_of(marker, 2), kScreeningViews);
     if (views.size() < least_views) return;
     std::optional<SizeFit> fit;
@@ -165,7 +172,7 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
     } else {
       fit = fit_from_afar(views, evidence);
     }
-    if (fit) found[m] = Deviation{marker, std::log(fit->factor), fit->sigma};
+    if (fit) found[m] = Deviation{marker, deviation_of(evidence, marker, *fit), fit->sigma};
   });
   std::vector<Deviation> deviations;
   for (const auto& deviation : found) {
@@ -184,21 +191,25 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
     if (!stands_out(suspect.log_factor, suspect.sigma, kWorthAnotherLook)) continue;
     const auto views = thinned(evidence.independent_views_of(suspect.marker, 2), kFitViews);
     if (views.size() < least_views) continue;
-    const auto fit = fit_from_afar(views, evidence);
-    if (!fit || !stands_out(std::log(fit->factor), fit->sigma, 1.0)) continue;
+    auto fit = fit_from_afar(views, evidence);
+    if (!fit) continue;
     // A marker that stands in two places can pass for one of odd size; then views contradict it.
-    const double stated_m = table.sizes_m[static_cast<std::size_t>(suspect.marker)];
-    const SizedPlace place{fit->world_from_marker, stated_m * fit->factor};
-    const double gate =
-        evidence.options().gate.reject_sigmas * evidence.options().gate.reject_sigmas;
-    const auto fitting = static_cast<std::size_t>(
-        std::count_if(views.begin(), views.end(),
-                      [&](const MarkerView& v) { return misfit_sigmas2(v, place) < gate; }));
+    const double used_m = table.sizes_m[static_cast<std::size_t>(suspect.marker)];
+    std::vector<MarkerView> fitting = views;
+    std::erase_if(fitting, [&](const MarkerView& view) {
+      return misfit_sigmas2(view, {fit->world_from_marker, used_m * fit->factor}) >
+             evidence.gate_sigmas2();
+    });
     constexpr double kLeastFitting = 0.75;
-    if (static_cast<double>(fitting) < kLeastFitting * static_cast<double>(views.size())) continue;
-    wrong.push_back({suspect.marker, stated_m, place.size_m,
-                     place.size_m * std::hypot(fit->sigma, scatter.spread), scatter.spread,
-                     views.size(), deviations.size() - 1});
+    if (static_cast<double>(fitting.size()) < kLeastFitting * static_cast<double>(views.size())) {
+      continue;
+    }
+    fit = fit_size(fitting, fit->world_from_marker, fit->factor, evidence.options().loss);
+    if (!fit || !stands_out(deviation_of(evidence, suspect.marker, *fit), fit->sigma, 1.0)) continue;
+    const double fitted_m = used_m * fit->factor;
+    wrong.push_back({suspect.marker, evidence.stated_size_m(suspect.marker), fitted_m,
+                     fitted_m * std::hypot(fit->sigma, scatter.spread), scatter.spread,
+                     fitting.size(), deviations.size() - 1});
   }
   return wrong;
 }

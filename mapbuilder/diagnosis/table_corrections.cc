@@ -1,6 +1,8 @@
 #include "mapbuilder/diagnosis/table_corrections.h"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -26,66 +28,100 @@ bool before_the_move(const ObservationTable& table, const TableObservation& o,
   return since == kept.end() || set.stamp < since->second;
 }
 
-}  // namespace
-
-void add_corrections(const ObservationTable& table, const MarkerDiagnosis& diagnosis,
-                     TableCorrections& corrections) {
-  for (const WrongSize& wrong : diagnosis.sizes) {
-    corrections.sizes_m[wrong.marker] = wrong.fitted_m;
+/// Indices (as in MarkerView) of what is seen of a marker and belongs to no place that the map
+/// keeps.
+void leave_out(const ObservationTable& table, const DisplacedMarker& displaced,
+               std::vector<std::size_t>& left_out) {
+  std::map<int, Stamp> kept;
+  std::map<int, Stamp> given_up;
+  if (displaced.kept) {
+    kept = first_seen(table, displaced.places[*displaced.kept]);
+    given_up = first_seen(table, displaced.places[1 - *displaced.kept]);
   }
-  for (const WrongId& wrong : diagnosis.wrong_ids) {
-    corrections.left_out.insert(wrong.view.index);
+  const auto goes = [&](const TableObservation& o) {
+    return o.marker == displaced.marker &&
+           (!displaced.kept || before_the_move(table, o, kept, given_up));
+  };
+  for (const std::size_t index :
+       table.observations_of_marker[static_cast<std::size_t>(displaced.marker)]) {
+    if (goes(table.observations[index])) left_out.push_back(index);
   }
-  for (const DisplacedMarker& displaced : diagnosis.displaced) {
-    std::map<int, Stamp> kept;
-    std::map<int, Stamp> given_up;
-    if (displaced.kept) {
-      kept = first_seen(table, displaced.places[*displaced.kept]);
-      given_up = first_seen(table, displaced.places[1 - *displaced.kept]);
-    }
-    const auto goes = [&](const TableObservation& o) {
-      return o.marker == displaced.marker &&
-             (!displaced.kept || before_the_move(table, o, kept, given_up));
-    };
-    for (const std::size_t index :
-         table.observations_of_marker[static_cast<std::size_t>(displaced.marker)]) {
-      if (goes(table.observations[index])) corrections.left_out.insert(index);
-    }
+  for (std::size_t i = 0; i < table.unused.size(); ++i) {
+    if (goes(table.unused[i])) left_out.push_back(table.observations.size() + i);
   }
 }
 
-ObservationTable corrected(const ObservationTable& table, const TableCorrections& corrections) {
-  ObservationTable result = table;
+void give_size(const ObservationTable& table, double size_m, TableObservation& o) {
+  if (size_m == o.size_m) return;
+  o.size_m = size_m;
+  o.ippe = solve_ippe(camera_of(table, o).model, o.corners_px, size_m);
+}
+
+}  // namespace
+
+TableCorrections corrections_for(const CorrectedTable& corrected,
+                                 std::span<const MarkerDiagnosis> diagnoses) {
+  TableCorrections corrections;
+  std::vector<std::size_t> left_out;
+  for (const MarkerDiagnosis& diagnosis : diagnoses) {
+    for (const WrongSize& wrong : diagnosis.sizes) {
+      corrections.sizes_m[wrong.marker] = wrong.fitted_m;
+    }
+    for (const WrongId& wrong : diagnosis.wrong_ids) left_out.push_back(wrong.view.index);
+    for (const DisplacedMarker& displaced : diagnosis.displaced) {
+      leave_out(corrected.table, displaced, left_out);
+    }
+  }
+  for (const std::size_t index : left_out) {
+    corrections.left_out.insert(corrected.given_index[index]);
+  }
+  return corrections;
+}
+
+CorrectedTable uncorrected(ObservationTable given) {
+  std::vector<std::size_t> index(given.observations.size() + given.unused.size());
+  std::iota(index.begin(), index.end(), std::size_t{0});
+  return {std::move(given), std::move(index)};
+}
+
+CorrectedTable correct(const ObservationTable& given, const TableCorrections& corrections) {
+  CorrectedTable corrected{given, {}};
+  ObservationTable& table = corrected.table;
   for (const auto& [marker, size_m] : corrections.sizes_m) {
     // Stated alike: it belongs to no other marker's size class any more.
-    result.sizes_m[static_cast<std::size_t>(marker)] = size_m;
-    result.stated_sizes_m[static_cast<std::size_t>(marker)] = size_m;
+    table.sizes_m[static_cast<std::size_t>(marker)] = size_m;
+    table.stated_sizes_m[static_cast<std::size_t>(marker)] = size_m;
   }
-  result.observations.clear();
-  for (std::size_t f = 0; f < table.frame_sets.size(); ++f) {
-    const TableFrameSet& set = table.frame_sets[f];
-    const std::size_t first = result.observations.size();
+  table.observations.clear();
+  std::vector<std::size_t> unused_index;
+  for (std::size_t i = 0; i < given.unused.size(); ++i) {
+    unused_index.push_back(given.observations.size() + i);
+  }
+  for (std::size_t f = 0; f < given.frame_sets.size(); ++f) {
+    const TableFrameSet& set = given.frame_sets[f];
+    const std::size_t first = table.observations.size();
     for (std::size_t i = 0; i < set.observation_count; ++i) {
       const std::size_t index = set.first_observation + i;
-      if (corrections.left_out.contains(index)) continue;
-      result.observations.push_back(table.observations[index]);
+      if (corrections.left_out.contains(index)) {
+        table.unused.push_back(given.observations[index]);
+        unused_index.push_back(index);
+      } else {
+        table.observations.push_back(given.observations[index]);
+        corrected.given_index.push_back(index);
+      }
     }
-    result.frame_sets[f].first_observation = first;
-    result.frame_sets[f].observation_count = result.observations.size() - first;
+    table.frame_sets[f].first_observation = first;
+    table.frame_sets[f].observation_count = table.observations.size() - first;
   }
-  const auto give_size = [&](TableObservation& o) {
-    const auto size = corrections.sizes_m.find(o.marker);
-    if (size == corrections.sizes_m.end()) return;
-    o.size_m = size->second;
-    o.ippe = solve_ippe(camera_of(result, o).model, o.corners_px, o.size_m);
-  };
-  for (auto& indices : result.observations_of_marker) indices.clear();
-  for (std::size_t i = 0; i < result.observations.size(); ++i) {
-    TableObservation& o = result.observations[i];
-    give_size(o);
-    result.observations_of_marker[static_cast<std::size_t>(o.marker)].push_back(i);
+  corrected.given_index.insert(corrected.given_index.end(), unused_index.begin(),
+                               unused_index.end());
+  for (auto& indices : table.observations_of_marker) indices.clear();
+  for (std::size_t i = 0; i < table.observations.size(); ++i) {
+    TableObservation& o = table.observations[i];
+    give_size(table, table.sizes_m[static_cast<std::size_t>(o.marker)], o);
+    table.observations_of_marker[static_cast<std::size_t>(o.marker)].push_back(i);
   }
-  return result;
+  return corrected;
 }
 
 }  // namespace waymark

@@ -5,28 +5,49 @@
 
 namespace waymark {
 
-std::optional<PlacementEstimate> place_at_size(std::span<const MarkerView> views, double factor,
-                                               const BuildOptions& options) {
-  constexpr std::size_t kMostViews = 48;
-  const std::size_t count = std::min(views.size(), kMostViews);
-  std::vector<MarkerObservation> observations;
-  std::vector<PlacementView> placing;
-  observations.reserve(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const MarkerView& view = views[i * views.size() / count];
-    observations.push_back(*view.observation);
-    MarkerObservation& o = observations.back();
-    o.size_m *= factor;
-    // IPPE's solutions scale with the size.
-    if (o.ippe) {
-      for (Rigid3& cam_from_marker : o.ippe->cam_from_marker) cam_from_marker.translation *= factor;
+namespace {
+
+/// Views as marker placement takes them: at most so many, evenly spread, as if of another size.
+class PlacingViews {
+ public:
+  PlacingViews(std::span<const MarkerView> views, double factor) {
+    constexpr std::size_t kMostViews = 48;
+    const std::size_t count = std::min(views.size(), kMostViews);
+    observations_.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const MarkerView& view = views[i * views.size() / count];
+      observations_.push_back(sized_as(view, factor * view.observation->size_m));
+      placing_.push_back({&observations_.back(), &view.camera->model, Rigid3{},
+                          view.world_from_cam, std::nullopt});
     }
-    placing.push_back({&o, &view.camera->model, Rigid3{}, view.world_from_cam, std::nullopt});
   }
-  if (placing.empty()) return std::nullopt;
+  PlacingViews(const PlacingViews&) = delete;
+  PlacingViews& operator=(const PlacingViews&) = delete;
+  [[nodiscard]] std::span<const PlacementView> views() const { return placing_; }
+
+ private:
+  std::vector<MarkerObservation> observations_;
+  std::vector<PlacementView> placing_;
+};
+
+PlacementOptions placement_options(const BuildOptions& options) {
   PlacementOptions placement = options.growth.placement;
   placement.loss = options.loss;
-  return place_marker(placing, placement);
+  return placement;
+}
+
+}  // namespace
+
+std::optional<PlacementEstimate> place_at_size(std::span<const MarkerView> views, double factor,
+                                               const BuildOptions& options) {
+  if (views.empty()) return std::nullopt;
+  return place_marker(PlacingViews(views, factor).views(), placement_options(options));
+}
+
+std::optional<PoseOptimum> refine_place(std::span<const MarkerView> views, const Rigid3& start,
+                                        const BuildOptions& options) {
+  if (views.empty()) return std::nullopt;
+  return refine_placement(PlacingViews(views, 1.0).views(), start, placement_options(options));
 }
 
 }  // namespace waymark

@@ -14,4 +14,9 @@ namespace waymark {
                                                              double factor,
                                                              const BuildOptions& options);
 
+/// Local optimum of a marker's pose from one start, likewise, at its stated size.
+[[nodiscard]] std::optional<PoseOptimum> refine_place(std::span<const MarkerView> views,
+                                                      const Rigid3& start,
+                                                      const BuildOptions& options);
+
 }  // namespace waymark

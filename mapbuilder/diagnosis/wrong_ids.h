@@ -1,6 +1,6 @@
 #pragma once
 
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "mapbuilder/diagnosis/map_evidence.h"
@@ -27,17 +27,44 @@ struct WrongIdOptions {
   int least_others_alone = 3;
 };
 
-/// Distance (px) of a view from the nearest of a marker's places; infinite when there are none.
-[[nodiscard]] double nearest_px(const MarkerView& view, std::span<const SizedPlace> places);
+/// The places of every marker of the table: none, one, or several of one id.
+using PlacesOfMarkers = std::vector<std::vector<SizedPlace>>;
 
-/// The mapped marker other than the view's own that stands where it was seen; −1 when none does.
-/// `places` per marker of the table.
-[[nodiscard]] int marker_shown(const MarkerView& view,
-                               std::span<const std::vector<SizedPlace>> places,
-                               const WrongIdOptions& options);
+/// Tells wrong ids by where the map's markers are.
+class WrongIdJudge {
+ public:
+  WrongIdJudge(const MapEvidence& evidence, const PlacesOfMarkers& places,
+               const WrongIdOptions& options)
+      : evidence_(evidence), places_(places), options_(options) {}
+
+  /// The mapped marker other than the view's own that stands where it was seen, −1 when none does.
+  /// The rig's pose may give way within what the other markers of the frame set accept.
+  [[nodiscard]] int marker_shown(const MarkerView& view) const;
+
+  /// The view as a wrong id, when it lies off all of its own places and on another marker's.
+  [[nodiscard]] std::optional<WrongId> wrong_id(const MarkerView& view) const;
+
+  /// The view as a wrong id that shows no mapped marker: far off all of its own places, by a rig
+  /// that is beyond doubt.
+  [[nodiscard]] std::optional<WrongId> stray(const MarkerView& view) const;
+
+  /// Of two observations, all that a frame set sees, at most one has a right id when no pose of the
+  /// rig shows both at their places. It is the other one if only that one can be another marker.
+  [[nodiscard]] std::optional<WrongId> wrong_of_two(int frame_set) const;
+
+ private:
+  [[nodiscard]] double nearest_px(const MarkerView& view) const;
+  [[nodiscard]] int shown_beside(const MarkerView& view, const MarkerView& right) const;
+  [[nodiscard]] bool fit_together(const MarkerView& a, const SizedPlace& place_of_a,
+                                  const MarkerView& b, const SizedPlace& place_of_b) const;
+
+  const MapEvidence& evidence_;
+  const PlacesOfMarkers& places_;
+  WrongIdOptions options_;
+};
 
 /// Whether the id stands in the map only because it was read, a few times, off another marker: both
-/// have one place, and the other one is seen there at least three times as often, before and after.
+/// have one place, and the other one is seen there at least twice as often, before and after.
 [[nodiscard]] bool stands_on_another(const MapEvidence& evidence, int marker);
 
 }  // namespace waymark

@@ -44,7 +44,9 @@ void whiten(TableObservation& o, const NoiseModel& noise) {
 }  // namespace
 
 void set_whitening(ObservationTable& table, const NoiseModel& noise) {
-  for (TableObservation& o : table.observations) whiten(o, noise);
+  for (auto* observations : {&table.observations, &table.unused}) {
+    for (TableObservation& o : *observations) whiten(o, noise);
+  }
 }
 
 void set_whitening(ObservationTable& table, std::span<const std::size_t> observations,

@@ -117,10 +117,6 @@ class TableMaker {
       const Detection& d = *sorted[i];
       const bool repeated = (i > 0 && sorted[i - 1]->marker == d.marker) ||
                             (i + 1 < sorted.size() && sorted[i + 1]->marker == d.marker);
-      if (repeated) {
-        ++table.repeated_in_image;
-        continue;
-      }
       TableObservation o;
       o.camera = camera_in_rig;
       o.corners_px = d.corners;
@@ -131,7 +127,8 @@ class TableMaker {
           CornerCovariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero(),
                             Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()});
       o.whitening.fill(Eigen::Matrix2d::Identity());
-      table.observations.push_back(o);
+      table.repeated_in_image += repeated ? 1 : 0;
+      (repeated ? table.unused : table.observations).push_back(o);
     }
   }
 
@@ -165,13 +162,16 @@ Expected<std::map<MarkerId, double>> collect_sizes(const std::vector<DetectedCap
 
 /// Both IPPE solutions of every observation; those without any are taken out.
 void solve_all_ippe(ObservationTable& table, int threads) {
-  parallel_for(table.observations.size(), threads, [&](std::size_t i) {
-    TableObservation& o = table.observations[i];
+  const auto solve = [&](TableObservation& o) {
     const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(o.frame_set)];
     const Rig& rig = table.rigs[static_cast<std::size_t>(set.rig)];
     o.ippe =
         solve_ippe(rig.cameras[static_cast<std::size_t>(o.camera)].model, o.corners_px, o.size_m);
-  });
+  };
+  parallel_for(table.observations.size(), threads,
+               [&](std::size_t i) { solve(table.observations[i]); });
+  for (TableObservation& o : table.unused) solve(o);
+  std::erase_if(table.unused, [](const TableObservation& o) { return !o.ippe; });
   std::vector<TableObservation> kept;
   kept.reserve(table.observations.size());
   for (TableFrameSet& set : table.frame_sets) {

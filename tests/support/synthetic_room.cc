@@ -139,4 +139,22 @@ SyntheticRoom make_room(const RoomOptions& options) {
   return room;
 }
 
+void hang(SyntheticRoom& room, int number, const Rigid3& world_from_marker, double size_m,
+          const std::function<bool(Stamp)>& there) {
+  for (ImageDetections& image : room.images) {
+    if (!there(image.stamp)) continue;
+    const auto set = static_cast<std::size_t>((image.stamp - room_stamp(0)) /
+                                              (room_stamp(1) - room_stamp(0)));
+    const RigCamera& camera = room.rig.cameras[static_cast<std::size_t>(image.camera)];
+    const Rigid3 cam_from_world =
+        camera.rig_from_cam.inverse() * room.world_from_rig[set].inverse();
+    const auto corners = view(camera, cam_from_world * world_from_marker, size_m);
+    if (!corners) continue;
+    Detection d;
+    d.marker = {Family::tag36h11, number};
+    d.corners = *corners;
+    image.detections.push_back(d);
+  }
+}
+
 }  // namespace waymark::test

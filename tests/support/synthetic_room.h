@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/camera/rig.h"
@@ -36,6 +37,11 @@ struct SyntheticRoom {
 /// Exact projections plus seeded noise. Every marker that faces a camera within 75° and lies whole
 /// in the image is seen.
 [[nodiscard]] SyntheticRoom make_room(const RoomOptions& options);
+
+/// Hangs another print into the room: every image taken when `there` says so detects it, exactly
+/// where it can be seen.
+void hang(SyntheticRoom& room, int number, const Rigid3& world_from_marker, double size_m,
+          const std::function<bool(Stamp)>& there);
 
 /// Three 1280×960 cameras of 90°, 120° apart (or as many as asked), none distortion.
 [[nodiscard]] Rig ring_rig(int cameras);

@@ -1,0 +1,106 @@
+#include "mapbuilder/diagnosis/presence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "core/base/parallel.h"
+#include "mapbuilder/diagnosis/clear_sight.h"
+
+namespace waymark {
+namespace {
+
+/// Frame sets of one capture that found a marker, and that would have.
+struct Looks {
+  int found = 0;
+  int empty = 0;
+};
+
+/// First and last stamp of some captures.
+std::pair<Stamp, Stamp> span_of(const ObservationTable& table, const std::vector<int>& captures) {
+  std::pair<Stamp, Stamp> span{Stamp::max(), Stamp::min()};
+  for (const TableFrameSet& set : table.frame_sets) {
+    if (std::find(captures.begin(), captures.end(), set.capture) == captures.end()) continue;
+    span.first = std::min(span.first, set.stamp);
+    span.second = std::max(span.second, set.stamp);
+  }
+  return span;
+}
+
+std::map<int, Looks> looks_at(const MapEvidence& evidence, int marker) {
+  std::map<int, Looks> looks;
+  const auto views = evidence.views_of(marker, 0);
+  std::set<int> found;
+  double least_side_px = std::numeric_limits<double>::infinity();
+  double reach_m = 0;  // farther rigs need not be asked
+  const Eigen::Vector3d& x_in_world = evidence.place(marker)->world_from_marker.translation;
+  const auto distance_m = [&](int frame_set) {
+    return (evidence.world_from_rig(frame_set)->translation - x_in_world).norm();
+  };
+  for (const MarkerView& view : views) {
+    // A wrong id that was read once elsewhere is no sighting.
+    if (!view.accepted) continue;
+    found.insert(view.observation->frame_set);
+    least_side_px = std::min(least_side_px, side_px(view));
+    reach_m = std::max(reach_m, distance_m(view.observation->frame_set));
+  }
+  for (const int f : evidence.component().frame_sets) {
+    if (!evidence.world_from_rig(f)) continue;
+    const TableFrameSet& set = evidence.table().frame_sets[static_cast<std::size_t>(f)];
+    if (found.contains(f)) {
+      ++looks[set.capture].found;
+    } else if (distance_m(f) <= reach_m &&
+               has_clear_sight(evidence, f, *evidence.place(marker), least_side_px)) {
+      ++looks[set.capture].empty;
+    }
+  }
+  return looks;
+}
+
+std::optional<PartTimeMarker> part_time(const MapEvidence& evidence, int marker,
+                                        const PresenceOptions& options) {
+  constexpr double kMostFound = 0.9;  // nobody finds every marker every time
+  PartTimeMarker result;
+  result.marker = marker;
+  double found = 0;
+  double looked = 0;
+  for (const auto& [capture, looks] : looks_at(evidence, marker)) {
+    if (looks.found > 0) {
+      result.seen_in.push_back(capture);
+      found += looks.found;
+      looked += looks.found + looks.empty;
+    } else {
+      result.empty_in.push_back(capture);
+      result.empty_looks += looks.empty;
+    }
+  }
+  if (result.seen_in.empty() || result.empty_in.empty()) return std::nullopt;
+  const double missed = 1.0 - std::min(kMostFound, found / looked);
+  if (std::pow(missed, result.empty_looks) > options.most_by_chance) return std::nullopt;
+  const auto seen = span_of(evidence.table(), result.seen_in);
+  const auto empty = span_of(evidence.table(), result.empty_in);
+  if (empty.second < seen.first) result.appeared = true;
+  if (seen.second < empty.first) result.appeared = false;
+  return result;
+}
+
+}  // namespace
+
+std::vector<PartTimeMarker> find_part_time_markers(const MapEvidence& evidence,
+                                                   const PresenceOptions& options) {
+  std::vector<PartTimeMarker> found;
+  if (evidence.table().capture_names.size() < 2) return found;
+  const std::vector<int>& markers = evidence.component().markers;
+  std::vector<std::optional<PartTimeMarker>> each(markers.size());
+  parallel_for(markers.size(), evidence.options().threads, [&](std::size_t i) {
+    if (evidence.place(markers[i])) each[i] = part_time(evidence, markers[i], options);
+  });
+  for (auto& one : each) {
+    if (one) found.push_back(*std::move(one));
+  }
+  return found;
+}
+
+}  // namespace waymark
