@@ -214,6 +214,13 @@ def seen_alone(capture, truth, rig):
     return {t for t in truth if count[(t[0], str(t[1])) if rig == "mono" else str(t[1])] == 1}
 
 
+def seen_more(bad, sound):
+    """Ids that the corrupted capture sees three times more often: a twin that hangs behind a shelf
+    exists for nobody."""
+    counts = [collections.Counter(r["marker_id"] for r in read_rows(c)[2]) for c in (bad, sound)]
+    return {i for i in counts[0] if counts[0][i] >= counts[1][i] + 3}
+
+
 def simulated(work, scene, rig, seed):
     name = f"{scene}.{rig}.{seed}"
     corruption = ["--twins", "3", "--moved", "3", "--mis-sized", "2", "--false-rate", "0.01"]
@@ -224,7 +231,7 @@ def simulated(work, scene, rig, seed):
     findings, map_path, _ = build([bad], work / f"{name}.bad.built", *mono_of(rig))
     print(f"{scene} {rig}, seed {seed}")
     compare("clean", rest(sound_findings), set())
-    compare("twins", named(findings, "twin"), {t["id"] for t in truth["twins"]})
+    compare("twins", named(findings, "twin"), {t["id"] for t in truth["twins"]} & seen_more(bad, sound))
     compare("moved", named(findings, "moved_during_capture"), {t["id"] for t in truth["moved"]})
     compare("wrong sizes", named(findings, "wrong_size"), {t["id"] for t in truth["mis_sized"]})
     rows = {(f["camera"], f["t_ns"], f["read_as"]) for f in truth["false_ids"]}

@@ -34,9 +34,9 @@ Eigen::Vector2d centre_of(const ImageCorners& corners) {
 
 bool has_clear_sight(const MapEvidence& evidence, int frame_set, const SizedPlace& place,
                      double least_side_px) {
-  constexpr double kBeside = 4.0;        // sides
-  constexpr double kLeastDepth = 0.8;    // of the place's: a wall in between would hide both
-  constexpr double kMargin = 0.25;       // sides to the image's edge: paper is part of a marker
+  constexpr double kBeside = 4.0;      // sides
+  constexpr double kLeastDepth = 0.8;  // of the place's: a wall in between would hide both
+  constexpr double kMargin = 0.25;     // sides to the image's edge: paper is part of a marker
   const auto& world_from_rig = evidence.world_from_rig(frame_set);
   if (!world_from_rig) return false;
   const auto seen = evidence.seen_in(frame_set);

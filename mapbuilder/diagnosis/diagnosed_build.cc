@@ -22,22 +22,23 @@ std::set<std::size_t> mapped_observations(const CorrectedTable& corrected,
   return mapped;
 }
 
+/// Relative difference of two fitted sizes that no map feels.
+constexpr double kSameSize = 0.002;
+
 /// Whether a map built with corrections would be another one than that built with those before:
 /// what the gate keeps out of it already changes nothing.
 bool would_change(const TableCorrections& before, const TableCorrections& after,
                   const std::set<std::size_t>& mapped) {
-  constexpr double kSameSize = 0.002;  // relative: no map feels it
   const bool acquitted =
       std::any_of(before.left_out.begin(), before.left_out.end(),
                   [&](std::size_t index) { return !after.left_out.contains(index); });
   const bool condemned = std::any_of(after.left_out.begin(), after.left_out.end(),
                                      [&](std::size_t index) { return mapped.contains(index); });
-  const bool same_sizes =
-      std::equal(before.sizes_m.begin(), before.sizes_m.end(), after.sizes_m.begin(),
-                 after.sizes_m.end(), [](const auto& a, const auto& b) {
-                   return a.first == b.first &&
-                          std::abs(a.second - b.second) <= kSameSize * a.second;
-                 });
+  const bool same_sizes = std::equal(
+      before.sizes_m.begin(), before.sizes_m.end(), after.sizes_m.begin(), after.sizes_m.end(),
+      [](const auto& a, const auto& b) {
+        return a.first == b.first && std::abs(a.second - b.second) <= kSameSize * a.second;
+      });
   return acquitted || condemned || !same_sizes;
 }
 
@@ -96,8 +97,8 @@ DiagnosedBuild build_and_diagnose(ObservationTable& table, const BuildOptions& o
   CorrectedTable corrected = uncorrected(std::move(table));
   for (int builds = 1;; ++builds) {
     build.result = build_map(corrected.table, options, progress);
-    const auto diagnoses = diagnose(build.result, options, diagnosis_options,
-                                    given.stated_sizes_m, corrected.table);
+    const auto diagnoses =
+        diagnose(build.result, options, diagnosis_options, given.stated_sizes_m, corrected.table);
     const TableCorrections better = corrections_for(corrected, diagnoses);
     if (builds < kMostBuilds &&
         would_change(corrections, better, mapped_observations(corrected, build.result))) {

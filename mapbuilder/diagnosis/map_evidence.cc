@@ -1,5 +1,6 @@
 #include "mapbuilder/diagnosis/map_evidence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -25,17 +26,18 @@ MapEvidence::MapEvidence(ObservationTable& table, const ComponentFit& fit,
       fit_(fit),
       options_(options),
       stated_sizes_m_(stated_sizes_m),
+      markers_(fit.component.markers),
       places_(table.markers.size()),
       rigs_(table.frame_sets.size()),
-      unused_of_(table.markers.size()),
-      unused_in_(table.frame_sets.size()),
+      repeated_of_(table.markers.size()),
+      repeated_in_(table.frame_sets.size()),
       accepted_(table.observations.size(), 1) {
   options_.growth.rig_pose.loss = options.loss;
   options_.growth.placement.loss = options.loss;
   NoiseModel noise = options.noise;
   noise.model_sigma_px = fit.model_sigma_px;
   set_whitening(table, noise);
-  for (TableObservation& o : table.unused) {
+  for (TableObservation& o : table.repeated) {
     resize(o, table.sizes_m[static_cast<std::size_t>(o.marker)]);
   }
   for (std::size_t i = 0; i < fit.component.markers.size(); ++i) {
@@ -48,25 +50,30 @@ MapEvidence::MapEvidence(ObservationTable& table, const ComponentFit& fit,
     rigs_[static_cast<std::size_t>(fit.component.frame_sets[i])] = fit.world_from_rig[i];
   }
   for (const std::size_t index : fit.rejected) accepted_[index] = 0;
-  for (std::size_t i = 0; i < table.unused.size(); ++i) {
-    const TableObservation& o = table.unused[i];
+  for (std::size_t i = 0; i < table.repeated.size(); ++i) {
+    const TableObservation& o = table.repeated[i];
+    if (std::binary_search(frame_sets().begin(), frame_sets().end(), o.frame_set)) {
+      markers_.push_back(o.marker);
+    }
     const std::size_t index = table.observations.size() + i;
-    unused_of_[static_cast<std::size_t>(o.marker)].push_back(index);
-    unused_in_[static_cast<std::size_t>(o.frame_set)].push_back(index);
+    repeated_of_[static_cast<std::size_t>(o.marker)].push_back(index);
+    repeated_in_[static_cast<std::size_t>(o.frame_set)].push_back(index);
   }
+  std::sort(markers_.begin(), markers_.end());
+  markers_.erase(std::unique(markers_.begin(), markers_.end()), markers_.end());
 }
 
 const TableObservation& MapEvidence::observation(std::size_t index) const {
   return index < table_.observations.size() ? table_.observations[index]
-                                            : table_.unused[index - table_.observations.size()];
+                                            : table_.repeated[index - table_.observations.size()];
 }
 
 std::vector<std::size_t> MapEvidence::indices_in(int frame_set) const {
   const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
   std::vector<std::size_t> indices(set.observation_count);
   std::iota(indices.begin(), indices.end(), set.first_observation);
-  const auto& unused = unused_in_[static_cast<std::size_t>(frame_set)];
-  indices.insert(indices.end(), unused.begin(), unused.end());
+  const auto& repeated = repeated_in_[static_cast<std::size_t>(frame_set)];
+  indices.insert(indices.end(), repeated.begin(), repeated.end());
   return indices;
 }
 
@@ -128,7 +135,7 @@ std::vector<MarkerView> MapEvidence::views_of(int marker, int least_others) cons
     if (view.others >= least_others) views.push_back(view);
   };
   for (const std::size_t index : table_.observations_of_marker[m]) add(index);
-  for (const std::size_t index : unused_of_[m]) add(index);
+  for (const std::size_t index : repeated_of_[m]) add(index);
   return views;
 }
 

@@ -13,7 +13,8 @@ struct MarkerView {
   const TableObservation* observation = nullptr;
   const RigCamera* camera = nullptr;
   Rigid3 world_from_cam;
-  std::size_t index = 0;  ///< in the table's observations; from their count on: in its unused ones
+  std::size_t index =
+      0;  ///< in the table's observations; from their count on: in its repeated ones
   bool accepted = false;  ///< by the gate
   int others = 0;         ///< accepted observations of other markers in the frame set
 };
@@ -27,14 +28,16 @@ struct SizedPlace {
 /// One component of the table with what explains it best. World frame: the fit's.
 class MapEvidence {
  public:
-  /// Overwrites the table's whitening by the fit's corner sigma, and the sizes of its unused
+  /// Overwrites the table's whitening by the fit's corner sigma, and the sizes of its repeated
   /// observations by those of their markers. `stated_sizes_m` (per marker) are the user's, whatever
   /// the table was corrected to. All must outlive the evidence.
   MapEvidence(ObservationTable& table, const ComponentFit& fit, const BuildOptions& options,
               const std::vector<double>& stated_sizes_m);
 
   [[nodiscard]] const ObservationTable& table() const { return table_; }
-  [[nodiscard]] const Component& component() const { return fit_.component; }
+  /// Frame sets of the component, and all markers seen in them, the repeated included; rising.
+  [[nodiscard]] const std::vector<int>& frame_sets() const { return fit_.component.frame_sets; }
+  [[nodiscard]] const std::vector<int>& markers() const { return markers_; }
   [[nodiscard]] const BuildOptions& options() const { return options_; }
   /// What an observation's squared residual (sigmas²) may be where it belongs.
   [[nodiscard]] double gate_sigmas2() const;
@@ -51,10 +54,10 @@ class MapEvidence {
   [[nodiscard]] const std::optional<Rigid3>& world_from_rig(int frame_set) const {
     return rigs_[static_cast<std::size_t>(frame_set)];
   }
-  /// Observations of a frame set, the unused included.
+  /// Observations of a frame set, the repeated included.
   [[nodiscard]] std::vector<const TableObservation*> seen_in(int frame_set) const;
 
-  /// Views of a marker, the unused included, by localized frame sets with at least `least_others`
+  /// Views of a marker, the repeated included, by localized frame sets with at least `least_others`
   /// accepted observations of other markers; by rising index.
   [[nodiscard]] std::vector<MarkerView> views_of(int marker, int least_others) const;
 
@@ -81,10 +84,11 @@ class MapEvidence {
   const ComponentFit& fit_;
   BuildOptions options_;
   const std::vector<double>& stated_sizes_m_;
+  std::vector<int> markers_;
   std::vector<std::optional<SizedPlace>> places_;
   std::vector<std::optional<Rigid3>> rigs_;
-  std::vector<std::vector<std::size_t>> unused_of_;  ///< per marker, indices as in MarkerView
-  std::vector<std::vector<std::size_t>> unused_in_;  ///< per frame set, likewise
+  std::vector<std::vector<std::size_t>> repeated_of_;  ///< per marker, indices as in MarkerView
+  std::vector<std::vector<std::size_t>> repeated_in_;  ///< per frame set, likewise
   std::vector<char> accepted_;
 };
 

@@ -1,6 +1,7 @@
 #include "mapbuilder/diagnosis/marker_diagnosis.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "core/base/parallel.h"
@@ -26,7 +27,7 @@ class MarkerJudge {
         options_(options),
         places_(evidence.table().markers.size()),
         judge_(evidence, places_, options.wrong_ids) {
-    for (const int marker : evidence.component().markers) {
+    for (const int marker : evidence.markers()) {
       if (!evidence.place(marker)) continue;
       if (views_of(marker, true) < kFewViews || stands_on_another(evidence, marker)) {
         doubtful_.insert(marker);
@@ -39,10 +40,13 @@ class MarkerJudge {
   MarkerDiagnosis diagnose() {
     MarkerDiagnosis diagnosis;
     diagnosis.sizes = find_wrong_sizes(evidence_, options_.size);
-    // A marker of wrong size seems to be where it is not; it is judged again when its size is
-    // right.
-    std::vector<int> judged = evidence_.component().markers;
-    for (const WrongSize& wrong : diagnosis.sizes) std::erase(judged, wrong.marker);
+    // A marker of wrong size seems to be where it is not; it is judged when its size is right.
+    constexpr double kRight = 0.01;
+    std::vector<int> judged = evidence_.markers();
+    for (const WrongSize& wrong : diagnosis.sizes) {
+      const double used_m = evidence_.table().sizes_m[static_cast<std::size_t>(wrong.marker)];
+      if (std::abs(wrong.fitted_m / used_m - 1.0) > kRight) std::erase(judged, wrong.marker);
+    }
 
     std::vector<MarkerVerdict> verdicts(judged.size());
     parallel_for(judged.size(), evidence_.options().threads,
@@ -104,20 +108,13 @@ class MarkerJudge {
     }
     if (!contradicted) return verdict;
     const auto places = find_places(evidence_, firm, options_.places);
-    if (getenv("DX")) {
-      fprintf(stderr, "DX marker %d firm %zu places", evidence_.table().markers[marker].number, firm.size());
-      for (auto& p : places) fprintf(stderr, " [%zu views sigma %.4f at %.3f %.3f %.3f]", p.views.size(), p.sigma_m, p.place.world_from_marker.translation.x(), p.place.world_from_marker.translation.y(), p.place.world_from_marker.translation.z());
-      fprintf(stderr, "\n");
-      if (places.size() > 1) { auto h = history_of(evidence_, places[0], places[1], options_.history); fprintf(stderr, "   story %d at_once %d inter %d empty %d later %d\n", (int)h.story, h.at_once, h.interleaved, h.empty_looks, h.second_is_later ? (int)*h.second_is_later : -1); }
-      for (auto& v : firm) fprintf(stderr, "   view set %d cam %d others %d accepted %d home %.1f px side %.1f\n", v.observation->frame_set, v.observation->camera, v.others, v.accepted, evidence_.place(marker) ? distance_px(v, *evidence_.place(marker)) : -1, side_px(v));
-    }
     verdict.displaced = displaced(marker, places);
     for (const MarkerView& view : firm) {
       if (view.accepted || at_home(view)) continue;
-      const bool fits = verdict.displaced && std::any_of(places.begin(), places.end(),
-                                                         [&](const PlaceCluster& cluster) {
-                                                           return fits_at(view, cluster.place);
-                                                         });
+      const bool fits = verdict.displaced &&
+                        std::any_of(places.begin(), places.end(), [&](const PlaceCluster& cluster) {
+                          return fits_at(view, cluster.place);
+                        });
       if (!fits) verdict.strays.push_back(view);
     }
     return verdict;
@@ -125,9 +122,8 @@ class MarkerJudge {
 
   [[nodiscard]] std::ptrdiff_t views_of(int marker, bool accepted_only) const {
     const auto views = evidence_.views_of(marker, 0);
-    return std::count_if(views.begin(), views.end(), [&](const MarkerView& view) {
-      return view.accepted || !accepted_only;
-    });
+    return std::count_if(views.begin(), views.end(),
+                         [&](const MarkerView& view) { return view.accepted || !accepted_only; });
   }
 
   [[nodiscard]] bool fits_at(const MarkerView& view, const SizedPlace& place) const {
@@ -161,7 +157,7 @@ class MarkerJudge {
     std::set<int> done;
     for (const WrongId& wrong : known) done.insert(wrong.view.observation->frame_set);
     std::vector<int> pairs;
-    for (const int frame_set : evidence_.component().frame_sets) {
+    for (const int frame_set : evidence_.frame_sets()) {
       if (done.contains(frame_set)) continue;
       const auto views = evidence_.views_in(frame_set);
       if (views.size() == 2 && !(views[0].accepted && views[1].accepted)) {

@@ -137,7 +137,8 @@ class FindingWriter {
     finding.remedy = came ? "Nothing needs to be done."
                           : "If it hangs there still, see what covers it; the map keeps it.";
     finding.captures = names_of(empty);
-    finding.figures = {{"looks that did not find it", static_cast<double>(marker.empty_looks), "", {}}};
+    finding.figures = {
+        {"looks that did not find it", static_cast<double>(marker.empty_looks), "", {}}};
     return finding;
   }
 

@@ -29,27 +29,14 @@ std::size_t frame_sets_of(const PlaceCluster& cluster) {
   return sets.size();
 }
 
-/// Grows a place from one hypothesis: the views nearest to it place the marker, then all that the
-/// gate accepts there do, until these stay the same. nullopt when nearly none agree. A robust loss
-/// over all views would settle between two places that lie near each other.
-std::optional<PlaceCluster> grown_from(const MapEvidence& evidence,
-                                       const std::vector<MarkerView>& views,
-                                       const Rigid3& hypothesis) {
-  constexpr std::size_t kNearest = 4;
-  constexpr double kFarthest = 0.5;  // sides
+/// Places the marker by some views, then by all that the gate accepts there, until these stay the
+/// same. nullopt when nearly none agree.
+std::optional<PlaceCluster> settled(const MapEvidence& evidence,
+                                    const std::vector<MarkerView>& views,
+                                    std::vector<MarkerView> placing, const Rigid3& start) {
   constexpr int kMostRounds = 4;
   PlaceCluster cluster;
-  cluster.place = {hypothesis, views.front().observation->size_m};
-  std::vector<std::pair<double, std::size_t>> nearest;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const double distance = distance_px(views[i], cluster.place) / side_px(views[i]);
-    if (distance < kFarthest) nearest.emplace_back(distance, i);
-  }
-  std::sort(nearest.begin(), nearest.end());
-  std::vector<MarkerView> placing;
-  for (std::size_t i = 0; i < std::min(kNearest, nearest.size()); ++i) {
-    placing.push_back(views[nearest[i].second]);
-  }
+  cluster.place = {start, views.front().observation->size_m};
   for (int round = 0; round < kMostRounds; ++round) {
     const auto placed = refine_place(placing, cluster.place.world_from_marker, evidence.options());
     if (!placed) return std::nullopt;
@@ -71,6 +58,39 @@ std::optional<PlaceCluster> grown_from(const MapEvidence& evidence,
     placing = cluster.views;
   }
   return cluster;
+}
+
+/// Grows a place from one hypothesis by the views nearest to it. A robust loss over all views would
+/// settle between two places that lie near each other.
+std::optional<PlaceCluster> grown_from(const MapEvidence& evidence,
+                                       const std::vector<MarkerView>& views,
+                                       const Rigid3& hypothesis) {
+  constexpr std::size_t kNearest = 4;
+  constexpr double kFarthest = 0.5;  // sides
+  const SizedPlace place{hypothesis, views.front().observation->size_m};
+  std::vector<std::pair<double, std::size_t>> nearest;
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double distance = distance_px(views[i], place) / side_px(views[i]);
+    if (distance < kFarthest) nearest.emplace_back(distance, i);
+  }
+  std::sort(nearest.begin(), nearest.end());
+  std::vector<MarkerView> placing;
+  for (std::size_t i = 0; i < std::min(kNearest, nearest.size()); ++i) {
+    placing.push_back(views[nearest[i].second]);
+  }
+  return settled(evidence, views, placing, hypothesis);
+}
+
+/// Where the map has the marker, as far as views agree.
+std::optional<PlaceCluster> home(const MapEvidence& evidence,
+                                 const std::vector<MarkerView>& views) {
+  const auto& place = evidence.place(views.front().observation->marker);
+  if (!place) return std::nullopt;
+  std::vector<MarkerView> placing = views;
+  std::erase_if(placing, [&](const MarkerView& view) {
+    return misfit_sigmas2(view, *place) > evidence.gate_sigmas2();
+  });
+  return settled(evidence, views, placing, place->world_from_marker);
 }
 
 /// The place that most views agree on.
@@ -104,7 +124,8 @@ std::vector<PlaceCluster> find_places(const MapEvidence& evidence, std::vector<M
   const auto least_views = static_cast<std::size_t>(options.least_views);
   std::vector<PlaceCluster> places;
   for (int i = 0; i < kMostPlaces && views.size() >= least_views; ++i) {
-    const auto found = best_place(evidence, views);
+    auto found = i == 0 ? home(evidence, views) : std::nullopt;
+    if (!found || found->views.size() < least_views) found = best_place(evidence, views);
     if (!found || found->views.size() < least_views) break;
     std::set<std::size_t> taken;
     for (const MarkerView& view : found->views) taken.insert(view.index);

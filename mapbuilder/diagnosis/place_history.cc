@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -25,18 +26,23 @@ const TableFrameSet& frame_set_of(const MapEvidence& evidence, int index) {
   return evidence.table().frame_sets[static_cast<std::size_t>(index)];
 }
 
+double smallest_side_px(const PlaceCluster& cluster) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const MarkerView& view : cluster.views) smallest = std::min(smallest, side_px(view));
+  return smallest;
+}
+
 /// When a place was seen, and how often it was found of how often it could have been.
 class Sightings {
  public:
-  Sightings(const MapEvidence& evidence, const PlaceCluster& cluster)
-      : evidence_(evidence), place_(cluster.place) {
-    least_side_px_ = std::numeric_limits<double>::infinity();
+  /// What is larger in the image than `least_side_px` can be found.
+  Sightings(const MapEvidence& evidence, const PlaceCluster& cluster, double least_side_px)
+      : evidence_(evidence), place_(cluster.place), least_side_px_(least_side_px) {
     for (const MarkerView& view : cluster.views) {
       const int frame_set = view.observation->frame_set;
       sets_.insert(frame_set);
       const TableFrameSet& set = frame_set_of(evidence, frame_set);
       periods_[set.capture].add(set.stamp);
-      least_side_px_ = std::min(least_side_px_, side_px(view));
     }
   }
 
@@ -49,13 +55,13 @@ class Sightings {
            has_clear_sight(evidence_, frame_set, place_, least_side_px_);
   }
 
-  /// Share of frame sets that found it here of those that would have shown it, of those that `among`
-  /// takes.
+  /// Share of frame sets that found it here of those that would have shown it, of those that
+  /// `among` takes.
   template <typename Filter>
   [[nodiscard]] double found_share(const Filter& among) const {
     double found = 0;
     double missed = 0;
-    for (const int f : evidence_.component().frame_sets) {
+    for (const int f : evidence_.frame_sets()) {
       if (!among(frame_set_of(evidence_, f))) continue;
       if (sets_.contains(f)) {
         ++found;
@@ -77,7 +83,7 @@ class Sightings {
   SizedPlace place_;
   std::map<int, Period> periods_;  // by capture
   std::set<int> sets_;
-  double least_side_px_ = 0;
+  double least_side_px_;
 };
 
 /// Whether two markers can hang at these places side by side.
@@ -135,8 +141,9 @@ bool in_time_of_other(const TableFrameSet& set, const Sightings& own, const Sigh
 PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
                         const PlaceCluster& second, const HistoryOptions& options) {
   constexpr double kMostFound = 0.9;  // nobody finds every marker every time
-  const Sightings a(evidence, first);
-  const Sightings b(evidence, second);
+  const double least_side_px = std::min(smallest_side_px(first), smallest_side_px(second));
+  const Sightings a(evidence, first, least_side_px);
+  const Sightings b(evidence, second, least_side_px);
   PlaceHistory history;
   bool shared = false;
   tell_order(evidence, a, b, history, shared);
@@ -150,7 +157,7 @@ PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
       const double missed = 1.0 - std::min(kMostFound, own.found_share_in_its_time());
       std::optional<bool> other_is_later = history.second_is_later;
       if (other_is_later && other_is_first) other_is_later = !*other_is_later;
-      for (const int f : evidence.component().frame_sets) {
+      for (const int f : evidence.frame_sets()) {
         if (!in_time_of_other(frame_set_of(evidence, f), own, other, other_is_later)) continue;
         if (!own.empty_in(f)) continue;
         ++history.empty_looks;
@@ -166,8 +173,8 @@ PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
     }
   }
   const auto always = [](const TableFrameSet&) { return true; };
-  const bool both_are_markers = std::min(a.found_share(always), b.found_share(always)) >=
-                                options.least_found;
+  const bool both_are_markers =
+      std::min(a.found_share(always), b.found_share(always)) >= options.least_found;
   if (both_are_markers && prints_fit(first.place, second.place, options.least_print_distance)) {
     history.story = PlaceStory::twin;
   }

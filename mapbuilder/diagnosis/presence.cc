@@ -46,7 +46,7 @@ std::map<int, Looks> looks_at(const MapEvidence& evidence, int marker) {
     least_side_px = std::min(least_side_px, side_px(view));
     reach_m = std::max(reach_m, distance_m(view.observation->frame_set));
   }
-  for (const int f : evidence.component().frame_sets) {
+  for (const int f : evidence.frame_sets()) {
     if (!evidence.world_from_rig(f)) continue;
     const TableFrameSet& set = evidence.table().frame_sets[static_cast<std::size_t>(f)];
     if (found.contains(f)) {
@@ -92,7 +92,7 @@ std::vector<PartTimeMarker> find_part_time_markers(const MapEvidence& evidence,
                                                    const PresenceOptions& options) {
   std::vector<PartTimeMarker> found;
   if (evidence.table().capture_names.size() < 2) return found;
-  const std::vector<int>& markers = evidence.component().markers;
+  const std::vector<int>& markers = evidence.markers();
   std::vector<std::optional<PartTimeMarker>> each(markers.size());
   parallel_for(markers.size(), evidence.options().threads, [&](std::size_t i) {
     if (evidence.place(markers[i])) each[i] = part_time(evidence, markers[i], options);

@@ -16,12 +16,14 @@ namespace {
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
+/// Of a view that can't be projected, as squared_residual has it.
+constexpr double kHopelessSigmas2 = 1e8;
+
 struct SizeEquations {
   Matrix7d hessian = Matrix7d::Zero();
   Vector7d gradient = Vector7d::Zero();
   double cost = 0;
-  double weight = 0;  ///< Σ of the views' robust weights
-  bool whole = true;  ///< no corner left its camera's domain
+  std::size_t views = 0;  ///< that say which way to go
 };
 
 SizeEquations linearize(std::span<const MarkerView> views, const Rigid3& world_from_marker,
@@ -35,13 +37,12 @@ SizeEquations linearize(std::span<const MarkerView> views, const Rigid3& world_f
     Matrix7d hessian = Matrix7d::Zero();
     Vector7d gradient = Vector7d::Zero();
     double s = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
+    bool tells = true;
+    for (std::size_t i = 0; i < 4 && tells; ++i) {
       CornerJacobians jacobians;
       const auto residual = corner_residual(chain, corners[i], o.corners_px[i], &jacobians);
-      if (!residual) {
-        equations.whole = false;
-        return equations;
-      }
+      tells = residual && residual->norm() <= gross_residual_px(view.camera->model);
+      if (!tells) continue;
       Eigen::Matrix<double, 2, 7> j;
       j << jacobians.d_marker, jacobians.d_marker.leftCols<3>() * (rotation * corners[i]);
       j = (o.whitening[i] * j).eval();
@@ -50,11 +51,16 @@ SizeEquations linearize(std::span<const MarkerView> views, const Rigid3& world_f
       gradient.noalias() += j.transpose() * whitened;
       s += whitened.squaredNorm();
     }
+    // A wrong id is no reason to give up; it counts as misfit alone.
+    if (!tells) {
+      equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kHopelessSigmas2);
+      continue;
+    }
     const double weight = robust_weight(loss.loss, loss.scale_sigmas, s);
     equations.hessian += weight * hessian;
     equations.gradient += weight * gradient;
     equations.cost += robust_cost(loss.loss, loss.scale_sigmas, s);
-    equations.weight += weight;
+    ++equations.views;
   }
   return equations;
 }
@@ -124,7 +130,7 @@ std::optional<SizeFit> fit_size(std::span<const MarkerView> views, const Rigid3&
   constexpr double kNegligibleDecrease = 1e-6;  // sigmas²
   SizeFit fit{world_from_marker, factor, 0.0, 0.0};
   SizeEquations here = linearize(views, world_from_marker, factor, loss);
-  if (!here.whole || views.empty()) return std::nullopt;
+  if (here.views == 0) return std::nullopt;
   double damping = 1e-3;
   for (int i = 0; i < kMostIterations; ++i) {
     Matrix7d damped = here.hessian;
@@ -136,7 +142,7 @@ std::optional<SizeFit> fit_size(std::span<const MarkerView> views, const Rigid3&
     const Rigid3 pose = fit.world_from_marker.plus(step.head<6>());
     const double next_factor = fit.factor * std::exp(std::clamp(step[6], -0.3, 0.3));
     const SizeEquations there = linearize(views, pose, next_factor, loss);
-    if (there.whole && there.cost <= here.cost) {
+    if (there.views > 0 && there.cost <= here.cost) {
       fit.world_from_marker = pose;
       fit.factor = next_factor;
       here = there;
@@ -160,7 +166,7 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
   constexpr std::size_t kFitViews = 64;
   const ObservationTable& table = evidence.table();
   const auto least_views = static_cast<std::size_t>(options.least_views);
-  const std::vector<int>& markers = evidence.component().markers;
+  const std::vector<int>& markers = evidence.markers();
   std::vector<std::optional<Deviation>> found(markers.size());
   parallel_for(markers.size(), evidence.options().threads, [&](std::size_t m) {
     const int marker = markers[m];
@@ -205,7 +211,8 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
       continue;
     }
     fit = fit_size(fitting, fit->world_from_marker, fit->factor, evidence.options().loss);
-    if (!fit || !stands_out(deviation_of(evidence, suspect.marker, *fit), fit->sigma, 1.0)) continue;
+    if (!fit || !stands_out(deviation_of(evidence, suspect.marker, *fit), fit->sigma, 1.0))
+      continue;
     const double fitted_m = used_m * fit->factor;
     wrong.push_back({suspect.marker, evidence.stated_size_m(suspect.marker), fitted_m,
                      fitted_m * std::hypot(fit->sigma, scatter.spread), scatter.spread,

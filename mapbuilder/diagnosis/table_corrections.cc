@@ -46,8 +46,8 @@ void leave_out(const ObservationTable& table, const DisplacedMarker& displaced,
        table.observations_of_marker[static_cast<std::size_t>(displaced.marker)]) {
     if (goes(table.observations[index])) left_out.push_back(index);
   }
-  for (std::size_t i = 0; i < table.unused.size(); ++i) {
-    if (goes(table.unused[i])) left_out.push_back(table.observations.size() + i);
+  for (std::size_t i = 0; i < table.repeated.size(); ++i) {
+    if (goes(table.repeated[i])) left_out.push_back(table.observations.size() + i);
   }
 }
 
@@ -79,7 +79,7 @@ TableCorrections corrections_for(const CorrectedTable& corrected,
 }
 
 CorrectedTable uncorrected(ObservationTable given) {
-  std::vector<std::size_t> index(given.observations.size() + given.unused.size());
+  std::vector<std::size_t> index(given.observations.size() + given.repeated.size());
   std::iota(index.begin(), index.end(), std::size_t{0});
   return {std::move(given), std::move(index)};
 }
@@ -93,9 +93,9 @@ CorrectedTable correct(const ObservationTable& given, const TableCorrections& co
     table.stated_sizes_m[static_cast<std::size_t>(marker)] = size_m;
   }
   table.observations.clear();
-  std::vector<std::size_t> unused_index;
-  for (std::size_t i = 0; i < given.unused.size(); ++i) {
-    unused_index.push_back(given.observations.size() + i);
+  std::vector<std::size_t> repeated_index;
+  for (std::size_t i = 0; i < given.repeated.size(); ++i) {
+    repeated_index.push_back(given.observations.size() + i);
   }
   for (std::size_t f = 0; f < given.frame_sets.size(); ++f) {
     const TableFrameSet& set = given.frame_sets[f];
@@ -103,8 +103,8 @@ CorrectedTable correct(const ObservationTable& given, const TableCorrections& co
     for (std::size_t i = 0; i < set.observation_count; ++i) {
       const std::size_t index = set.first_observation + i;
       if (corrections.left_out.contains(index)) {
-        table.unused.push_back(given.observations[index]);
-        unused_index.push_back(index);
+        table.repeated.push_back(given.observations[index]);
+        repeated_index.push_back(index);
       } else {
         table.observations.push_back(given.observations[index]);
         corrected.given_index.push_back(index);
@@ -113,8 +113,8 @@ CorrectedTable correct(const ObservationTable& given, const TableCorrections& co
     table.frame_sets[f].first_observation = first;
     table.frame_sets[f].observation_count = table.observations.size() - first;
   }
-  corrected.given_index.insert(corrected.given_index.end(), unused_index.begin(),
-                               unused_index.end());
+  corrected.given_index.insert(corrected.given_index.end(), repeated_index.begin(),
+                               repeated_index.end());
   for (auto& indices : table.observations_of_marker) indices.clear();
   for (std::size_t i = 0; i < table.observations.size(); ++i) {
     TableObservation& o = table.observations[i];

@@ -15,10 +15,11 @@ struct TableCorrections {
   std::map<int, double> sizes_m;   ///< by marker of the table
 };
 
-/// A table with corrections made: what is left out stands among the unused observations.
+/// A table with corrections made: what is left out joins the repeated observations, which no map is
+/// built on but every diagnosis judges.
 struct CorrectedTable {
   ObservationTable table;
-  /// Of each of its observations, then of its unused ones, as MarkerView::index counts: the index
+  /// Of each of its observations, then of its repeated ones, as MarkerView::index counts: the index
   /// in the given table, counted alike.
   std::vector<std::size_t> given_index;
 };

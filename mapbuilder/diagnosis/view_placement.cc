@@ -17,8 +17,8 @@ class PlacingViews {
     for (std::size_t i = 0; i < count; ++i) {
       const MarkerView& view = views[i * views.size() / count];
       observations_.push_back(sized_as(view, factor * view.observation->size_m));
-      placing_.push_back({&observations_.back(), &view.camera->model, Rigid3{},
-                          view.world_from_cam, std::nullopt});
+      placing_.push_back({&observations_.back(), &view.camera->model, Rigid3{}, view.world_from_cam,
+                          std::nullopt});
     }
   }
   PlacingViews(const PlacingViews&) = delete;
@@ -46,8 +46,16 @@ std::optional<PlacementEstimate> place_at_size(std::span<const MarkerView> views
 
 std::optional<PoseOptimum> refine_place(std::span<const MarkerView> views, const Rigid3& start,
                                         const BuildOptions& options) {
-  if (views.empty()) return std::nullopt;
-  return refine_placement(PlacingViews(views, 1.0).views(), start, placement_options(options));
+  const PlacingViews placing(views, 1.0);
+  return minimize_pose(start, options.growth.placement.max_iterations, [&](const Rigid3& pose) {
+    PoseEquations equations;
+    for (const PlacementView& view : placing.views()) {
+      add_observation(*view.observation,
+                      {view.camera, view.cam_from_rig, view.world_from_rig, pose}, options.loss,
+                      FreePose::marker, equations);
+    }
+    return equations;
+  });
 }
 
 }  // namespace waymark

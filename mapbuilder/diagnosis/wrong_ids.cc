@@ -70,9 +70,9 @@ int WrongIdJudge::marker_shown(const MarkerView& view) const {
   if (!pose) return -1;
   const bool all_fit = std::all_of(together.begin(), together.end(), [&](const auto& fixed) {
     const auto camera = static_cast<std::size_t>(fixed.observation->camera);
-    return squared_residual(*fixed.observation, solver.model(camera),
-                            solver.cam_from_rig(camera) *
-                                (pose->pose.inverse() * fixed.world_from_marker)) <=
+    return squared_residual(
+               *fixed.observation, solver.model(camera),
+               solver.cam_from_rig(camera) * (pose->pose.inverse() * fixed.world_from_marker)) <=
            evidence_.gate_sigmas2();
   });
   MarkerView moved = view;
@@ -98,15 +98,15 @@ bool WrongIdJudge::fit_together(const MarkerView& a, const SizedPlace& place_of_
                                 const MarkerView& b, const SizedPlace& place_of_b) const {
   const MarkerObservation sized_a = sized_as(a, place_of_a.size_m);
   const MarkerObservation sized_b = sized_as(b, place_of_b.size_m);
-  const std::array<FixedMarkerObservation, 2> both{{{&sized_a, place_of_a.world_from_marker},
-                                                    {&sized_b, place_of_b.world_from_marker}}};
+  const std::array<FixedMarkerObservation, 2> both{
+      {{&sized_a, place_of_a.world_from_marker}, {&sized_b, place_of_b.world_from_marker}}};
   RigPoseSolver solver = evidence_.solver_for(a.observation->frame_set);
   const auto found = solver.solve(both);
   return found && std::all_of(both.begin(), both.end(), [&](const auto& fixed) {
            const auto camera = static_cast<std::size_t>(fixed.observation->camera);
            return squared_residual(*fixed.observation, solver.model(camera),
-                                   solver.cam_from_rig(camera) * (found->best.pose.inverse() *
-                                                                  fixed.world_from_marker)) <=
+                                   solver.cam_from_rig(camera) *
+                                       (found->best.pose.inverse() * fixed.world_from_marker)) <=
                   evidence_.gate_sigmas2();
          });
 }
@@ -155,7 +155,7 @@ bool stands_on_another(const MapEvidence& evidence, int marker) {
   const auto& own = evidence.place(marker);
   if (!own) return false;
   const auto views = evidence.views_of(marker, 0);
-  for (const int m : evidence.component().markers) {
+  for (const int m : evidence.markers()) {
     const auto& other = evidence.place(m);
     if (m == marker || !other || !same_place(*own, *other)) continue;
     const auto others = evidence.views_of(m, 0);

@@ -21,6 +21,20 @@ std::pair<const Rigid3*, double> better_rig_pose(const PlacementView& view,
   return {&view.world_from_rig, first};
 }
 
+std::optional<PoseOptimum> refine(std::span<const PlacementView> views, const Rigid3& start,
+                                  const PlacementOptions& options) {
+  return minimize_pose(start, options.max_iterations, [&](const Rigid3& world_from_marker) {
+    PoseEquations equations;
+    for (const PlacementView& view : views) {
+      const Rigid3& world_from_rig = *better_rig_pose(view, world_from_marker).first;
+      add_observation(*view.observation,
+                      {view.camera, view.cam_from_rig, world_from_rig, world_from_marker},
+                      options.loss, FreePose::marker, equations);
+    }
+    return equations;
+  });
+}
+
 /// How much worse than noise alone the views fit: the median of their squared residuals against
 /// its expectation, at least 1. Rigs that stand a little wrong make every view misfit, and a gap
 /// between hypotheses says as much less.
@@ -64,20 +78,6 @@ std::vector<Hypothesis> scored_hypotheses(std::span<const PlacementView> views,
 
 }  // namespace
 
-std::optional<PoseOptimum> refine_placement(std::span<const PlacementView> views,
-                                            const Rigid3& start, const PlacementOptions& options) {
-  return minimize_pose(start, options.max_iterations, [&](const Rigid3& world_from_marker) {
-    PoseEquations equations;
-    for (const PlacementView& view : views) {
-      const Rigid3& world_from_rig = *better_rig_pose(view, world_from_marker).first;
-      add_observation(*view.observation,
-                      {view.camera, view.cam_from_rig, world_from_rig, world_from_marker},
-                      options.loss, FreePose::marker, equations);
-    }
-    return equations;
-  });
-}
-
 double placement_score(std::span<const PlacementView> views, const Rigid3& world_from_marker,
                        const PlacementOptions& options) {
   const double k2 = options.score_scale_sigmas * options.score_scale_sigmas;
@@ -105,7 +105,7 @@ std::optional<PlacementEstimate> place_marker(std::span<const PlacementView> vie
     });
     if (repeated) continue;
     starts.push_back(hypothesis.world_from_marker);
-    const auto optimum = refine_placement(views, starts.back(), options);
+    const auto optimum = refine(views, starts.back(), options);
     if (!optimum) continue;
     const auto known = std::find_if(optima.begin(), optima.end(), [&](const PoseOptimum& o) {
       return same(o.pose, optimum->pose);

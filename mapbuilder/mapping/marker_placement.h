@@ -43,12 +43,6 @@ struct PlacementEstimate {
 [[nodiscard]] std::optional<PlacementEstimate> place_marker(std::span<const PlacementView> views,
                                                             const PlacementOptions& options);
 
-/// Local optimum of the marker's pose from one start, the rigs fixed; nullopt when fewer than three
-/// corners can be projected there.
-[[nodiscard]] std::optional<PoseOptimum> refine_placement(std::span<const PlacementView> views,
-                                                          const Rigid3& start,
-                                                          const PlacementOptions& options);
-
 /// How ill a marker's pose suits its views, each with the rig pose that suits it better:
 /// Σ k² log(1 + s/k²), sigmas².
 [[nodiscard]] double placement_score(std::span<const PlacementView> views,

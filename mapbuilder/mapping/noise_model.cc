@@ -44,7 +44,7 @@ void whiten(TableObservation& o, const NoiseModel& noise) {
 }  // namespace
 
 void set_whitening(ObservationTable& table, const NoiseModel& noise) {
-  for (auto* observations : {&table.observations, &table.unused}) {
+  for (auto* observations : {&table.observations, &table.repeated}) {
     for (TableObservation& o : *observations) whiten(o, noise);
   }
 }

@@ -128,7 +128,7 @@ class TableMaker {
                             Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()});
       o.whitening.fill(Eigen::Matrix2d::Identity());
       table.repeated_in_image += repeated ? 1 : 0;
-      (repeated ? table.unused : table.observations).push_back(o);
+      (repeated ? table.repeated : table.observations).push_back(o);
     }
   }
 
@@ -170,8 +170,8 @@ void solve_all_ippe(ObservationTable& table, int threads) {
   };
   parallel_for(table.observations.size(), threads,
                [&](std::size_t i) { solve(table.observations[i]); });
-  for (TableObservation& o : table.unused) solve(o);
-  std::erase_if(table.unused, [](const TableObservation& o) { return !o.ippe; });
+  for (TableObservation& o : table.repeated) solve(o);
+  std::erase_if(table.repeated, [](const TableObservation& o) { return !o.ippe; });
   std::vector<TableObservation> kept;
   kept.reserve(table.observations.size());
   for (TableFrameSet& set : table.frame_sets) {

@@ -143,8 +143,8 @@ void hang(SyntheticRoom& room, int number, const Rigid3& world_from_marker, doub
           const std::function<bool(Stamp)>& there) {
   for (ImageDetections& image : room.images) {
     if (!there(image.stamp)) continue;
-    const auto set = static_cast<std::size_t>((image.stamp - room_stamp(0)) /
-                                              (room_stamp(1) - room_stamp(0)));
+    const auto set =
+        static_cast<std::size_t>((image.stamp - room_stamp(0)) / (room_stamp(1) - room_stamp(0)));
     const RigCamera& camera = room.rig.cameras[static_cast<std::size_t>(image.camera)];
     const Rigid3 cam_from_world =
         camera.rig_from_cam.inverse() * room.world_from_rig[set].inverse();

@@ -38,9 +38,8 @@ TEST_F(PlacesTest, whatAppearsWhereTheMarkersOwnPrintHangsIsNoTwin) {
   const auto now_and_then = [](Stamp stamp) {
     return (stamp - room_stamp(0)) / (room_stamp(1) - room_stamp(0)) % 10 == 4;
   };
-  edit(room, [&](Detection& d, Stamp stamp) {
-    return d.marker.number != 3 || !now_and_then(stamp);
-  });
+  edit(room,
+       [&](Detection& d, Stamp stamp) { return d.marker.number != 3 || !now_and_then(stamp); });
   hang(room, 3, shifted(home, 0.1, 0), 0.3, now_and_then);
   build(room);
   expect_nobody();
