@@ -1,5 +1,6 @@
 #include "mapbuilder/diagnosis/diagnosed_build.h"
 
+#include "core/map/map_file.h"
 #include "tests/mapbuilder/diagnosis/diagnosed_room.h"
 
 namespace waymark::test {

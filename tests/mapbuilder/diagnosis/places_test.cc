@@ -75,7 +75,6 @@ TEST_F(PlacesTest, aMarkerMovedDuringTheCaptureKeepsItsLaterPlace) {
   expect_only(FindingKind::moved_during_capture, 3);
   EXPECT_NEAR(figure("distance between the places"), std::hypot(0.2, 0.1), 0.005);
   ASSERT_NE(mapped(3), nullptr);
-  EXPECT_EQ(mapped(3)->rejected, 0u);
   EXPECT_LT(worst_distance_m(room, {}), 0.01);
 }
 
