@@ -48,7 +48,7 @@ std::vector<MarkerDiagnosis> diagnose(const BuildResult& result, const BuildOpti
                                       const std::vector<double>& stated_sizes_m,
                                       ObservationTable& table) {
   std::vector<MarkerDiagnosis> diagnoses;
-  for (const ComponentFit& fit : result.fits) {
+  for (const ComponentFit& fit : result.calibration.fits) {
     if (fit.component.markers.size() < 2) continue;
     const MapEvidence evidence(table, fit, options, stated_sizes_m);
     diagnoses.push_back(diagnose_markers(evidence, diagnosis_options));

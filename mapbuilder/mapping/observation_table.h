@@ -68,8 +68,8 @@ struct ObservationTable {
   std::vector<std::vector<std::size_t>> observations_of_marker;  ///< per marker, rising
   /// Observations of an id that was found twice in one image; neither can be trusted, none is used.
   int repeated_in_image = 0;
-  /// These, as far as they are views of a square, by rising frame set: a finished map may tell which
-  /// of them are right.
+  /// These, as far as they are views of a square, by rising frame set: a finished map may tell
+  /// which of them are right.
   std::vector<TableObservation> repeated;
   /// Observations whose corners can't be undistorted or are no front view of a square.
   int degenerate = 0;
