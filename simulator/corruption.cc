@@ -133,6 +133,8 @@ Expected<Corruption> draw_corruption(const Scene& scene, const SimulatedRig& rig
   const Sightings seen = count_sightings(scene, rig, plan);
   Random random = Random::of({job.seed, 7});
   Lottery lottery(scene.markers.size(), random);
+  // Nothing is put where something else hangs, will hang or hung: two prints can't overlap.
+  Scene occupied = scene;
   const auto often = [&](std::size_t i) {
     return seen.before[i] + seen.after[i] >= kLeastSightings;
   };
@@ -142,13 +144,14 @@ Expected<Corruption> draw_corruption(const Scene& scene, const SimulatedRig& rig
       const PlacedMarker& first = scene.markers[candidate];
       const auto host = static_cast<std::size_t>(random.below(scene.markers.size()));
       if (!often(candidate) || !often(host)) return false;
-      second = place_near(scene, host, first, kMostMove_m, scene.markers.size(), random);
+      second = place_near(occupied, host, first, kMostMove_m, occupied.markers.size(), random);
       return second &&
              (second->world_from_marker.translation - first.world_from_marker.translation).norm() >=
                  kLeastTwinDistance_m;
     });
     if (!marker) return too_many(scene, "--twins");
     corruption.twins.push_back({*marker, *second});
+    occupied.markers.push_back(*second);
   }
   const std::size_t middle = plan.exposures().back().position / 2;
   for (int i = 0; i < job.moved; ++i) {
@@ -156,11 +159,12 @@ Expected<Corruption> draw_corruption(const Scene& scene, const SimulatedRig& rig
     const auto marker = lottery.draw([&](std::size_t candidate) {
       if (std::min(seen.before[candidate], seen.after[candidate]) < kLeastSightings) return false;
       after =
-          place_near(scene, candidate, scene.markers[candidate], kMostMove_m, candidate, random);
+          place_near(occupied, candidate, scene.markers[candidate], kMostMove_m, candidate, random);
       return after.has_value();
     });
     if (!marker) return too_many(scene, "--moved");
     corruption.moves.push_back({*marker, after->world_from_marker, middle});
+    occupied.markers.push_back(*after);
   }
   for (int i = 0; i < job.mis_sized; ++i) {
     const auto marker = lottery.draw(often);

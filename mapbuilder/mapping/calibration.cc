@@ -2,42 +2,11 @@
 
 #include <algorithm>
 
+#include "mapbuilder/mapping/build_snapshot.h"
 #include "mapbuilder/mapping/refinement_support.h"
 
 namespace waymark {
 namespace {
-
-/// Everything that a refused attempt must put back.
-class Restorer {
- public:
-  explicit Restorer(JointBuild& build)
-      : build_(build), table_(build.table()), state_(build.state()), scope_(build.scope()) {
-    for (const ComponentGrowth* part : build.parts()) {
-      parts_.push_back({part->noise(), part->settled()});
-    }
-  }
-
-  void restore() {
-    build_.table() = std::move(table_);
-    build_.state() = std::move(state_);
-    build_.set_scope(std::move(scope_));
-    for (std::size_t i = 0; i < parts_.size(); ++i) {
-      build_.parts()[i]->set_noise(parts_[i].noise);
-      build_.parts()[i]->set_settled(parts_[i].settled);
-    }
-  }
-
- private:
-  JointBuild& build_;
-  ObservationTable table_;
-  MapState state_;
-  AdjustmentScope scope_;
-  struct Part {
-    NoiseModel noise;
-    bool settled = false;
-  };
-  std::vector<Part> parts_;
-};
 
 /// Lays the parts that survey points fix into the facility's world; false where the survey tells
 /// nothing. Fills the scope's survey and worlds.
@@ -94,7 +63,7 @@ std::vector<std::string> hold_what_is_unsure(JointBuild& build, const FreeCalibr
 /// or the data can't support it: then all is as before, and result.refused says why.
 bool attempt(JointBuild& build, const FreeCalibration& refine, CalibrationResult& result) {
   if (build.options().survey.empty() && !refine.any()) return false;
-  Restorer before(build);
+  BuildSnapshot before(build);
   AdjustmentScope scope;
   scope.free = refine;
   const bool surveyed = take_survey(build, scope);

@@ -103,7 +103,12 @@ double ComponentGrowth::adapt_noise(ObservationTable& table, const MapState& sta
                        (8.0 * static_cast<double>(std::max<std::size_t>(1, posed.size())));
   if (share > kMostParametersPerResidual) return 0.0;
   const double before = noise.model_sigma_px;
-  noise.model_sigma_px = estimate_model_sigma_px(table, state, posed, noise, share);
+  const bool one_camera = std::all_of(sets.begin(), sets.end(), [&](int frame_set) {
+    const int rig = table.frame_sets[static_cast<std::size_t>(frame_set)].rig;
+    return table.rigs[static_cast<std::size_t>(rig)].cameras.size() == 1;
+  });
+  noise.model_sigma_px = std::min(estimate_model_sigma_px(table, state, posed, noise, share),
+                                  one_camera ? kLargestModelSigmaOfOneCamera : kLargestModelSigma);
   set_whitening(table, observations_, noise);
   return std::abs(noise.model_sigma_px / before - 1.0);
 }

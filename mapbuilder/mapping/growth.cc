@@ -103,14 +103,21 @@ void Growth::localize_unadjusted(MapState& state) const {
 std::vector<PlacementView> Growth::placement_views(const MapState& state, int marker,
                                                    std::size_t most,
                                                    const FrameSetFilter& firm) const {
-  std::vector<std::size_t> usable;
-  for (const std::size_t index : table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
-    const TableObservation& o = table_.observations[index];
-    if (state.accepted[index] != 0 && state.rigs[static_cast<std::size_t>(o.frame_set)] &&
-        firm(o.frame_set)) {
-      usable.push_back(index);
+  const auto collect = [&](bool accepted_only) {
+    std::vector<std::size_t> usable;
+    for (const std::size_t index :
+         table_.observations_of_marker[static_cast<std::size_t>(marker)]) {
+      const TableObservation& o = table_.observations[index];
+      if ((state.accepted[index] != 0 || !accepted_only) &&
+          state.rigs[static_cast<std::size_t>(o.frame_set)] && firm(o.frame_set)) {
+        usable.push_back(index);
+      }
     }
-  }
+    return usable;
+  };
+  // A marker between two places that it was seen at has no accepted view: it is placed anew by all.
+  std::vector<std::size_t> usable = collect(true);
+  if (usable.empty()) usable = collect(false);
   // Half of the views are the largest, for precision; half are spread over the smaller ones, for
   // variety. By size alone, so that neither stamps nor order decide.
   if (usable.size() > most) {

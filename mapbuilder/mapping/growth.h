@@ -73,7 +73,8 @@ class Growth {
       RigPoseSolver& solver, std::span<const FixedMarkerObservation> observations,
       const std::optional<RigPoseEstimate>& known) const;
   [[nodiscard]] bool differ(const Rigid3& a, const Rigid3& b) const;
-  /// At most `most` accepted views of the marker by localized frame sets that the filter takes.
+  /// At most `most` accepted views of the marker by localized frame sets that the filter takes; of
+  /// all its views where none is accepted.
   [[nodiscard]] std::vector<PlacementView> placement_views(const MapState& state, int marker,
                                                            std::size_t most,
                                                            const FrameSetFilter& firm) const;

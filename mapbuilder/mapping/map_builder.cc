@@ -4,6 +4,8 @@
 #include <deque>
 #include <set>
 
+#include "mapbuilder/mapping/loose_parts.h"
+
 namespace waymark {
 namespace {
 
@@ -57,7 +59,9 @@ BuildResult build_map(ObservationTable& table, const BuildOptions& options, Prog
   for (const Component& component : components) {
     all.push_back(&growths.emplace_back(table, component, options));
     all.back()->grow(state, progress);
-    JointBuild(table, {all.back()}, options, progress, state).settle();
+    JointBuild alone(table, {all.back()}, options, progress, state);
+    alone.settle();
+    rehang_loose_parts(alone);
   }
   std::set<int> mapped;
   std::set<int> localized;

@@ -25,9 +25,12 @@ struct NoiseModel {
 };
 
 /// Bounds of the estimate. Below 0.002 px nothing real is (rendered corners are 0.009 px sure);
-/// above 20 px nothing fits.
+/// above 20 px nothing fits. A rig of one camera has no extrinsics that could be wrong, and a lens
+/// stated without its distortion leaves 1.5 px (tag_table): more is no noise but a map that a wrong
+/// id has bent, and taking it for noise would hide that from the gate.
 inline constexpr double kSmallestModelSigma = 0.002;
 inline constexpr double kLargestModelSigma = 20.0;
+inline constexpr double kLargestModelSigmaOfOneCamera = 3.0;
 
 /// Writes every observation's whitening.
 void set_whitening(ObservationTable& table, const NoiseModel& noise);

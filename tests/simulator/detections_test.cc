@@ -156,6 +156,16 @@ TEST_F(Detections, CorruptedMarkersAreNamedAndAmbiguousOnesHaveNoTruth) {
     };
     EXPECT_GE((at(twin["world_from_marker"]) - at(twin["world_from_second"])).norm(), 2.0);
   }
+  // Two prints can't hang at one place, whenever.
+  std::vector<Eigen::Vector3d> new_places;
+  const auto place = [](const nlohmann::json& pose) {
+    return Eigen::Vector3d(pose["position_m"][0], pose["position_m"][1], pose["position_m"][2]);
+  };
+  for (const auto& twin : named["twins"]) new_places.push_back(place(twin["world_from_second"]));
+  for (const auto& moved : named["moved"]) new_places.push_back(place(moved["after"]));
+  for (std::size_t i = 0; i < new_places.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) EXPECT_GT((new_places[i] - new_places[j]).norm(), 0.2);
+  }
   // A twin is seen twice in one image or in places that one marker can't be seen from.
   EXPECT_GT(count(read(folder)), count(read(simulate("clean", quiet()))));
 }
