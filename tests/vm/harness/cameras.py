@@ -7,6 +7,7 @@ import socket
 import subprocess
 import time
 
+from hearing import PATIENCE
 from machine import LIFETIME_S
 
 COUNT = 3
@@ -64,6 +65,18 @@ class Camera:
         except ChildProcessError:
             pass
 
+    def _connect(self, control):
+        """To the socket that the camera opens soon after it was plugged in."""
+        deadline = time.monotonic() + 10 * PATIENCE
+        while True:
+            try:
+                control.connect(self.control)
+                return
+            except OSError:
+                if time.monotonic() > deadline:
+                    raise
+                time.sleep(0.1)
+
     def port(self):
         """Where it is plugged in; None: nowhere."""
         return self._process_and_port()[1]
@@ -74,8 +87,8 @@ class Camera:
         os.chdir(self.run)
         try:
             with socket.socket(socket.AF_UNIX) as control:
-                control.settimeout(10)
-                control.connect(self.control)
+                control.settimeout(10 * PATIENCE)
+                self._connect(control)
                 control.sendall(text.encode() + b"\n")
                 answer = b""
                 while not answer.endswith(b"\n"):

@@ -12,7 +12,7 @@ path = "{map}"
 camchain = "rig.yaml"
 {cameras}
 [sync]
-tolerance_us = 450000
+tolerance_us = 200000
 deadline_ms = 900
 [solve]
 time_budget_ms = 20000
@@ -63,7 +63,7 @@ class Locd:
         self.guest.check("systemctl reset-failed locd; systemctl restart locd", timeout_s=120)
 
     def stop(self):
-        self.guest.check("systemctl stop locd", timeout_s=30)
+        self.guest.check("systemctl stop locd", timeout_s=60)
 
     def show(self, field):
         """A property of the unit, as systemctl show prints it."""
@@ -79,7 +79,7 @@ class Locd:
     def request(self, line):
         """Answer to a line on the control socket, as somebody of group locd."""
         return self.guest.check(f"echo {line} | setpriv --reuid nobody --regid locd --clear-groups "
-                                "nc -U -N -w 5 /run/locd/control")
+                                "nc -U -N -w 60 /run/locd/control")
 
     def wait_until(self, field, value, timeout_s=60):
         deadline = time.monotonic() + timeout_s * PATIENCE

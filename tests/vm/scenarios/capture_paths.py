@@ -1,11 +1,16 @@
 """Other ways from a camera to locd: libcamera, multi-planar and YUYV formats, v4l2loopback at full rate."""
 
+import re
+import time
+
 from hearing import PATIENCE
 from poses import assert_expected
 
 WIDTH, HEIGHT = 640, 480
 # FourCC, our name, whether the device speaks multi-planar, and how its first plane holds luma.
 FORMATS = (("YUYV", "YUYV", False, 2), ("YUYV", "YUYV", True, 2), ("NV12", "NV12", True, 1))
+# How often to look for ten seconds in which the machine keeps pace with 30 frames a second.
+ATTEMPTS = 6
 
 
 def libcamera(world):
@@ -51,15 +56,37 @@ def other_formats(world):
 def thirty_frames_a_second(world):
     """Three devices at 30 frames a second: the driver alone loses none."""
     guest = world.guest
+    # v4l2loopback 0.12.7 corrupts its list of buffers when a reader asks for fewer than there are while
+    # somebody writes: as many as the driver asks for.
     guest.check("systemctl stop locd; modprobe v4l2loopback devices=3 video_nr=40,41,42 exclusive_caps=0,0,0 "
-                "max_buffers=8 card_label=wm0,wm1,wm2 && udevadm settle", 60)
-    nodes = "/dev/video40 /dev/video41 /dev/video42"
-    guest.check(f"systemd-run --quiet --unit=feed /share/bin/vm_feed {WIDTH} {HEIGHT} 30 20 {nodes}")
+                "max_buffers=6 card_label=wm0,wm1,wm2 && udevadm settle", 60)
+    nodes = [f"/dev/video{number}" for number in (40, 41, 42)]
     links = " ".join(f"bus=platform:v4l2loopback-{i:03}" for i in range(3))
-    text = guest.check(f"/share/bin/vm_capture {links} --width {WIDTH} --height {HEIGHT} --numbered --frames 300", 90)
-    print(text)
-    for line in text.splitlines():
-        seconds = float(line.split(" in ")[1].split(" s")[0])
-        assert 9.5 < seconds < 10.6 * PATIENCE, f"not 30 frames a second: {line}"
-    guest.run("systemctl stop feed")
+    # Whatever max_buffers says, it forgets all but the newest frame when its reader is three behind. Both on
+    # one processor, the reader first as with [service] realtime: what holds one up holds up the other.
+    guest.check("systemd-run --quiet --unit=feed --property=CPUAffinity=1 "
+                f"/share/bin/vm_feed {WIDTH} {HEIGHT} 30 {' '.join(nodes)}")
+    try:
+        wait_until_fed(world, nodes)
+        # A machine with much other work may feed more slowly; that proves nothing, and none may be lost then either.
+        for _ in range(ATTEMPTS):
+            text = guest.check(f"chrt --fifo 40 taskset --cpu-list 1 /share/bin/vm_capture {links} --width {WIDTH} "
+                               f"--height {HEIGHT} --numbered --frames 300", 120)
+            print(text)
+            gaps_ms = [float(gap) for gap in re.findall(r"frames, ([\d.]+) ms", text)]
+            if all(32 < gap < 35 for gap in gaps_ms):
+                break
+        print("times that the machine stood still:",
+              guest.run("journalctl -q -o cat -u feed | grep -c 'stood still'")[1])
+    finally:
+        guest.run("systemctl stop feed")
+    assert len(gaps_ms) == len(nodes) and all(32 < gap < 35 for gap in gaps_ms), "never 30 frames a second"
     guest.check("rmmod v4l2loopback")
+
+
+def wait_until_fed(world, nodes, timeout_s=60):
+    """v4l2loopback's devices offer no format to capture before one is fed."""
+    deadline = time.monotonic() + timeout_s * PATIENCE
+    while any(f"{WIDTH}/{HEIGHT}" not in world.guest.run(f"v4l2-ctl -d {node} --get-fmt-video")[1] for node in nodes):
+        assert time.monotonic() < deadline, f"feed does not feed: {world.guest.run('journalctl -q -n 5 -u feed')[1]}"
+        time.sleep(0.2)

@@ -1,6 +1,7 @@
 """What happens to cameras: unplugged, plugged in again, elsewhere, hanging, sending rubbish."""
 
 import re
+import statistics
 import time
 
 import hearing as heard
@@ -44,18 +45,21 @@ def unplug_and_replug(world):
                            lambda m: m["raised"] and m["kind"] == "MISSING" and m["subject"] == "cam1")
     world.hearing.wait_for("status that says so", "STATUS",
                            lambda m: state_of(m, "cam1")["state"] == heard.CAMERA_LOST and "cam1" in m["text"])
-    world.hearing.mark()
-    world.cameras[1].plug(1)
-    came_s = wait_for_udev(world, "WM-1")
-    pose = world.hearing.wait_for("pose of all three", "POSE",
-                                  lambda m: m["cameras_used"] == COUNT and m["heard_s"] > came_s)
-    # Exposed when, on the guest's clock: what solving takes says nothing in an emulated machine.
-    exposed_s = pose["heard_s"] - pose["latency_ms"] / 1e3
-    print(f"from udev's event {exposed_s - came_s:.1f} s to the first image in a set, "
-          f"{pose['heard_s'] - came_s:.1f} s to its pose")
-    assert exposed_s - came_s <= BACK_S, f"back after {exposed_s - came_s} s only"
-    assert pose["session"] == session, "it was restarted"
-    world.hearing.wait_for("end of the alert", "ALERT", lambda m: not m["raised"] and m["kind"] == "MISSING")
+
+    def replug():
+        world.cameras[1].unplug()
+        world.hearing.wait_for("alert", "ALERT", lambda m: m["raised"] and m["kind"] == "MISSING")
+        world.hearing.mark()
+        world.cameras[1].plug(1)
+        came_s = wait_for_udev(world, "WM-1")
+        pose = world.hearing.wait_for("pose of all three", "POSE",
+                                      lambda m: m["cameras_used"] == COUNT and m["heard_s"] > came_s)
+        world.hearing.wait_for("end of the alert", "ALERT", lambda m: not m["raised"] and m["kind"] == "MISSING")
+        assert pose["session"] == session, "it was restarted"
+        # Exposed when, on the guest's clock: what solving takes says nothing in an emulated machine.
+        return pose["heard_s"] - pose["latency_ms"] / 1e3 - came_s
+
+    world.one_of_three("from udev's event to the first image in a set", BACK_S, replug)
     status = world.cameras[1].order("status")
     assert '"exposure_100us":30' in status and '"gain":40' in status, f"not set again: {status}"
 
@@ -69,11 +73,14 @@ def all_unplugged_and_replugged_elsewhere(world):
     world.hearing.mark()
     world.hearing.wait_for("LOST without frames", "POSE",
                            lambda m: m["status"] == heard.LOST and m["reasons"] & heard.NO_FRAMES)
-    world.hearing.mark()
-    lost = world.hearing.wait_for("LOST messages", "POSE", lambda m: m["status"] == heard.LOST, count=10)
-    gaps = [b["heard_s"] - a["heard_s"] for a, b in zip(lost, lost[1:])]
-    assert sorted(gaps)[len(gaps) // 2] <= 0.5, f"gaps {gaps}"
-    assert all(v is None for m in lost for v in m["position"]), "a pose in LOST"
+
+    def gap_s():
+        world.hearing.mark()
+        lost = world.hearing.wait_for("LOST messages", "POSE", lambda m: m["status"] == heard.LOST, count=10)
+        assert all(v is None for m in lost for v in m["position"]), "a pose in LOST"
+        return statistics.median(b["heard_s"] - a["heard_s"] for a, b in zip(lost, lost[1:]))
+
+    world.one_of_three("between LOST messages", 0.5, gap_s)
     # 0, 1, 2 into ports 2, 0, 1, so that every number changes.
     for number in (1, 2, 0):
         world.cameras[number].plug((number + 2) % COUNT)

@@ -38,7 +38,6 @@ def three_cameras(world):
 def recording(world):
     """What is recorded equals, pixel by pixel, what the cameras showed; each set is of one instant."""
     world.localize()
-    before = world.guest_clock_s()
     folder = world.locd.request("start").removeprefix("ok ")
     world.hearing.mark()
     world.hearing.wait_for("recording of 12 sets", "STATUS", lambda m: m["recorded_sets"] >= 12, timeout_s=120)
@@ -48,7 +47,6 @@ def recording(world):
     code, text = world.native("compare_recording", world.share / "recording", world.capture)
     print(text)
     assert code == 0, text
-    assert world.guest_clock_s() - before < 90, "it took far more than 12 periods"
 
 
 def replay(world):

@@ -10,6 +10,10 @@ constexpr std::size_t kHeaderBytes = 2;
 constexpr std::uint8_t kEndOfHeader = 0x80;
 constexpr std::uint8_t kEndOfFrame = 0x02;
 
+/// A frame that begins later than this part of a period is left out: it is stamped when it arrives,
+/// and must not pass for one of the next instant.
+constexpr int kPunctual = 5;
+
 }  // namespace
 
 void VideoStream::start(Instant now) {
@@ -40,7 +44,15 @@ void VideoStream::begin_frame(Instant now) {
 std::optional<Bytes> VideoStream::next_payload(Instant now, std::uint32_t room) {
   const auto when = due();
   if (!when || now < *when) return std::nullopt;
-  if (!within_frame()) begin_frame(now);
+  if (!within_frame()) {
+    const std::int64_t newest = now / feed_.format.period();
+    if (now - newest * feed_.format.period() > feed_.format.period() / kPunctual) {
+      counts_.skipped += newest + 1 - index_;
+      index_ = newest + 1;
+      return std::nullopt;
+    }
+    begin_frame(now);
+  }
   const std::size_t size =
       std::min<std::size_t>(std::min(room, kMaxPayloadBytes) - kHeaderBytes, end_ - offset_);
   Bytes payload{kHeaderBytes, static_cast<std::uint8_t>(kEndOfHeader | parity_)};

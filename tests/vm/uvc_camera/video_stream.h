@@ -17,7 +17,7 @@ inline constexpr std::uint32_t kMaxPayloadBytes = 16384;
 
 /// Cuts frames into payloads with UVC headers, each frame when its time has come. Frame k belongs
 /// to the instant k · period, so that cameras that share a clock expose together; whoever reads too
-/// slowly loses whole frames, as with a real sensor.
+/// slowly, or far too late, loses whole frames.
 class VideoStream {
  public:
   explicit VideoStream(FrameFeed feed) : feed_(std::move(feed)) {}

@@ -59,9 +59,18 @@ TEST(VideoStream, CamerasThatStartAtDifferentTimesShowTheSameInstant) {
 TEST(VideoStream, AHostThatReadsTooSlowlyLosesWholeFrames) {
   VideoStream stream(numbered_frames(4));
   stream.start(milliseconds(1030));
-  EXPECT_EQ(receive(stream, milliseconds(1450)).image, Bytes(100'000, 14 % 4));
+  EXPECT_EQ(receive(stream, milliseconds(1420)).image, Bytes(100'000, 14 % 4));
   EXPECT_EQ(stream.counts().skipped, 3);
   EXPECT_EQ(stream.counts().sent, 1);
+}
+
+TEST(VideoStream, AFrameThatCouldBeginMuchTooLateOnlyIsLeftOut) {
+  VideoStream stream(numbered_frames(4));
+  stream.start(milliseconds(1030));
+  EXPECT_EQ(stream.next_payload(milliseconds(1421), kRoom), std::nullopt);
+  EXPECT_EQ(stream.counts().skipped, 4);
+  EXPECT_EQ(stream.due(), milliseconds(1500));
+  EXPECT_EQ(receive(stream, milliseconds(1500)).image, Bytes(100'000, 15 % 4));
 }
 
 TEST(VideoStream, TheFrameBitChangesWithEveryFrame) {
