@@ -2,9 +2,6 @@
 
 import pathlib
 import shutil
-import time
-
-from hearing import PATIENCE
 
 CONFIG = """[map]
 path = "{map}"
@@ -80,10 +77,3 @@ class Locd:
         """Answer to a line on the control socket, as somebody of group locd."""
         return self.guest.check(f"echo {line} | setpriv --reuid nobody --regid locd --clear-groups "
                                 "nc -U -N -w 60 /run/locd/control")
-
-    def wait_until(self, field, value, timeout_s=60):
-        deadline = time.monotonic() + timeout_s * PATIENCE
-        while self.show(field) != value:
-            if time.monotonic() > deadline:
-                raise AssertionError(f"{field} is {self.show(field)}, not {value}, after {timeout_s} s")
-            time.sleep(0.3)

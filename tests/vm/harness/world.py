@@ -4,11 +4,12 @@ import json
 import math
 import pathlib
 import subprocess
+import time
 
 import hearing as heard
 from cameras import COUNT, Camera
 from guest import Guest
-from hearing import Hearing
+from hearing import PATIENCE, Hearing
 from machine import Machine
 from service import URL, Locd
 
@@ -95,6 +96,15 @@ class World:
         done = subprocess.run([self.paths[program], *[str(a) for a in arguments]], check=False, text=True,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return done.returncode, done.stdout
+
+    @staticmethod
+    def wait_until(what, look, timeout_s=60):
+        """What `look` gives as soon as that is something; AssertionError when time is up."""
+        deadline = time.monotonic() + timeout_s * PATIENCE
+        while not (seen := look()):
+            assert time.monotonic() < deadline, f"not within {timeout_s} s: {what}"
+            time.sleep(0.3)
+        return seen
 
     @staticmethod
     def one_of_three(what, bar_s, measure):

@@ -15,7 +15,7 @@ ln -s ../waymark-agent.service "$units/sysinit.target.wants/"
 
 # An emulated machine is 10 to 40 times slower than a vehicle's: what is stuck there must not move for longer.
 mkdir "$units/locd.service.d"
-printf '[Service]\nTimeoutStartSec=120s\nWatchdogSec=30s\n' >"$units/locd.service.d/emulation.conf"
+printf '[Service]\nTimeoutStartSec=120s\nTimeoutStopSec=60s\nWatchdogSec=30s\n' >"$units/locd.service.d/emulation.conf"
 
 # What no test needs and every boot would wait for.
 for unit in apt-daily.timer apt-daily-upgrade.timer dpkg-db-backup.timer e2scrub_all.timer fstrim.timer \

@@ -1,9 +1,7 @@
 """Other ways from a camera to locd: libcamera, multi-planar and YUYV formats, v4l2loopback at full rate."""
 
 import re
-import time
 
-from hearing import PATIENCE
 from poses import assert_expected
 
 WIDTH, HEIGHT = 640, 480
@@ -84,9 +82,7 @@ def thirty_frames_a_second(world):
     guest.check("rmmod v4l2loopback")
 
 
-def wait_until_fed(world, nodes, timeout_s=60):
+def wait_until_fed(world, nodes):
     """v4l2loopback's devices offer no format to capture before one is fed."""
-    deadline = time.monotonic() + timeout_s * PATIENCE
-    while any(f"{WIDTH}/{HEIGHT}" not in world.guest.run(f"v4l2-ctl -d {node} --get-fmt-video")[1] for node in nodes):
-        assert time.monotonic() < deadline, f"feed does not feed: {world.guest.run('journalctl -q -n 5 -u feed')[1]}"
-        time.sleep(0.2)
+    world.wait_until("feed feeds", lambda: all(
+        f"{WIDTH}/{HEIGHT}" in world.guest.run(f"v4l2-ctl -d {node} --get-fmt-video")[1] for node in nodes))

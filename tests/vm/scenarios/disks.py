@@ -12,9 +12,8 @@ def mount_recordings(world):
 
 def disk_full(world):
     """Recording onto a full disk ends, is said, and leaves whole sets; poses go on."""
-    mount_recordings(world)
     world.localize()
-    world.locd.configure()
+    mount_recordings(world)
     world.locd.start()
     session = world.wait_for_full_pose()["session"]
     # Room for some ten sets of three images with 330 kB each.
@@ -36,8 +35,10 @@ def disk_full(world):
 
 def power_cut(world):
     """The power goes while recording: what lies on the disk is a capture that lacks a second at most."""
-    mount_recordings(world)
     world.localize()
+    mount_recordings(world)
+    world.locd.start()
+    world.wait_for_full_pose()
     folder = world.locd.request("start").removeprefix("ok ")
     world.hearing.mark()
     world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 8, timeout_s=90)

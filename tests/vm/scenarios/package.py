@@ -1,5 +1,9 @@
 """The .deb: what installing, upgrading, removing and purging do to a system."""
 
+import re
+import shutil
+import subprocess
+
 
 def install(world):
     """Installed as on a vehicle, it enables and starts nothing by itself."""
@@ -36,14 +40,23 @@ def upgrade(world):
     world.localize()
     guest.check("echo '# ours' >>/etc/locd/locd.toml; install -o locd -m 640 /dev/null /var/lib/locd/kept")
     pid = world.locd.pid()
-    guest.check("cd /root && rm -rf next && dpkg-deb -R /share/waymark-locd.deb next && "
-                "sed -i 's/^Version: .*/&+1/' next/DEBIAN/control && dpkg-deb -b -Znone next next.deb", 120)
-    guest.check("dpkg -i --force-confold /root/next.deb", 180)
+    make_next(world.share / "waymark-locd.deb", world.run / "next", world.share / "next.deb")
+    guest.check("dpkg -i --force-confold /share/next.deb", 180)
     assert guest.check("dpkg-query -W -f '${Version}' waymark-locd").endswith("+1")
     guest.check("grep -q '# ours' /etc/locd/locd.toml && test -f /var/lib/locd/kept")
-    world.locd.wait_until("ActiveState", "active")
+    world.wait_until("locd runs again", lambda: world.locd.show("ActiveState") == "active")
     assert world.locd.pid() != pid, "the old program goes on"
     world.wait_for_full_pose()
+
+
+def make_next(package_file, folder, next_file):
+    """The same package under a higher version."""
+    shutil.rmtree(folder, ignore_errors=True)
+    subprocess.run(["dpkg-deb", "-R", package_file, folder], check=True)
+    control = folder / "DEBIAN/control"
+    control.write_text(re.sub(r"^Version: .*", r"\g<0>+1", control.read_text(encoding="utf-8"), flags=re.M),
+                       encoding="utf-8")
+    subprocess.run(["dpkg-deb", "-b", "-Znone", folder, next_file], check=True, stdout=subprocess.DEVNULL)
 
 
 def remove(world):
