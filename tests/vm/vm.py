@@ -22,10 +22,11 @@ import disks
 import package
 import poses
 import service_faults
+import starting
 from inputs import make_inputs
 from world import load
 
-SCENARIOS = (package, poses, devices, service_faults, disks, capture_paths)
+SCENARIOS = (package, poses, starting, devices, service_faults, disks, capture_paths)
 BOOT_S = 120
 
 

@@ -54,6 +54,7 @@ json fields(const waymark::status_t& m) {
           {"poses", m.poses},
           {"drops", drops},
           {"publish_failures", m.publish_failures},
+          {"time_steps", m.time_steps},
           {"recording", static_cast<bool>(m.recording)},
           {"recording_path", m.recording_path},
           {"recorded_sets", m.recorded_sets},

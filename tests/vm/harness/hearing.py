@@ -7,7 +7,7 @@ import time
 
 # pose_t.status and reasons, camera_status_t.state (proto/).
 OK, DEGRADED, AMBIGUOUS, LOST = range(4)
-NO_FRAMES, CAMERA_MISSING = 1, 256
+NO_FRAMES, CAMERA_MISSING, UNSYNCED = 1, 256, 2048
 WAITING, STREAMING, STALLED, CAMERA_LOST = range(4)
 
 # How much longer tests wait than what they wait for takes, for machines that have other work: it costs time

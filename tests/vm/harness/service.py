@@ -1,5 +1,6 @@
 """locd in the guest, as systemd runs it."""
 
+import contextlib
 import pathlib
 import shutil
 
@@ -19,15 +20,16 @@ w_max_dps = 10000
 url = "{url}"
 [record]
 dir = "/var/lib/locd/recordings"
-min_free_bytes = {min_free_bytes}
+min_free_bytes = 0
 markers = "markers.toml"
 [service]
 startup_wait_s = {startup_wait_s}
+realtime = {realtime}
 """
 CAMERA = """[[camera]]
 name = "cam{number}"
 driver = "{driver}"
-device = "{device}"
+device = "serial=WM-{serial}"
 {fps}exposure_us = 3000
 gain = {gain}
 """
@@ -40,20 +42,30 @@ class Locd:
         self.share = pathlib.Path(share)
         self.inputs = pathlib.Path(inputs)
 
-    def configure(self, driver="v4l2", device="serial=WM-{number}", map_file="room.map", min_free_bytes=0,
-                  startup_wait_s=60, gain=40, fps="fps = 1\n"):
-        """Writes /etc/locd; takes effect with the next restart or reload."""
+    def configure(self, driver="v4l2", serials=(0, 1, 2), map_file="room.map", startup_wait_s=60, gain=40,
+                  fps="fps = 1\n", realtime=False):
+        """Writes /etc/locd; takes effect with the next restart or reload. serials: the cameras in the rig's order."""
         etc = self.share / "etc"
         etc.mkdir(exist_ok=True)
         for source in ("room.map", "other.map", "capture/rig.yaml", "capture/markers.toml"):
             shutil.copy(self.inputs / source, etc)
-        cameras = "".join(CAMERA.format(number=i, driver=driver, device=device.format(number=i), gain=gain,
-                                        fps=fps)
-                          for i in range(3))
+        cameras = "".join(CAMERA.format(number=i, driver=driver, serial=serial, gain=gain, fps=fps)
+                          for i, serial in enumerate(serials))
         (etc / "locd.toml").write_text(
-            CONFIG.format(map=map_file, cameras=cameras, url=URL, min_free_bytes=min_free_bytes,
-                          startup_wait_s=startup_wait_s), encoding="utf-8")
+            CONFIG.format(map=map_file, cameras=cameras, url=URL, startup_wait_s=startup_wait_s,
+                          realtime=str(realtime).lower()), encoding="utf-8")
         self.guest.check("cp /share/etc/* /etc/locd/ && chmod 644 /etc/locd/*")
+
+    @contextlib.contextmanager
+    def realtime_drop_in(self):
+        """The package's own, as operations.md says; the guest's packages come without documents."""
+        drop_in = "/etc/systemd/system/locd.service.d/realtime.conf"
+        self.guest.check("dpkg-deb --fsys-tarfile /share/waymark-locd.deb | tar -xO "
+                         f"./usr/share/doc/waymark-locd/examples/realtime.conf >{drop_in} && systemctl daemon-reload")
+        try:
+            yield
+        finally:
+            self.guest.check(f"rm {drop_in} && systemctl daemon-reload")
 
     def start(self):
         """Starts it anew, whatever was."""

@@ -139,6 +139,60 @@ def frozen_sensor(world):
     world.wait_for_full_pose()
 
 
+def useless_images(world):
+    """Nothing but black, white or grey: named DARK, SATURATED, OBSCURED, and left out until there are images again."""
+    world.localize()
+    for grey, kind in ((0, "DARK"), (255, "SATURATED"), (128, "OBSCURED")):
+        world.hearing.mark()
+        world.cameras[0].order(f"paint {grey}")
+        world.hearing.wait_for(kind, "ALERT",
+                               lambda m, k=kind: m["raised"] and m["kind"] == k and m["subject"] == "cam0")
+        world.hearing.wait_for("poses without it", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
+    world.cameras[0].order("go")
+    world.hearing.wait_for("its end", "ALERT", lambda m: not m["raised"] and m["kind"] == "OBSCURED")
+    world.wait_for_full_pose()
+
+
+def truncated_jpegs(world):
+    """A camera that sends JPEGs gives the same poses; those that end half-way are dropped and counted."""
+    world.localize()
+    world.cameras[2].plug(2, mjpeg=True)
+    try:
+        wait_for_udev(world, "WM-2")
+        for message in world.wait_for_full_pose(count=3):
+            assert_expected(world, message)
+        world.hearing.mark()
+        damaged = world.hearing.wait_for("status", "STATUS", lambda m: True)["drops"]["damaged"]
+        world.cameras[2].order("short 1000")
+        world.hearing.wait_for("drops", "STATUS", lambda m: m["drops"]["damaged"] >= damaged + 2)
+        world.hearing.wait_for("poses of the others", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
+    finally:
+        world.cameras[2].unplug()
+    world.plug_all()
+    world.wait_for_full_pose()
+
+
+def stamps_of_another_clock(world):
+    """Stamps in the far future are refused and counted; as they go on, poses rest on arrival and say UNSYNCED."""
+    world.localize()
+    clock = "/sys/module/uvcvideo/parameters/clock"
+    world.hearing.mark()
+    bad = world.hearing.wait_for("status", "STATUS", lambda m: True)["drops"]["bad_stamp"]
+    # The driver goes on saying that its stamps are of the monotonic clock.
+    world.guest.check(f"echo CLOCK_REALTIME >{clock}")
+    try:
+        world.hearing.wait_for("refused frames", "STATUS", lambda m: m["drops"]["bad_stamp"] >= bad + COUNT)
+        world.hearing.wait_for("UNSYNCED", "ALERT",
+                               lambda m: m["raised"] and m["kind"] == "UNSYNCED" and m["subject"] == "cam0")
+        pose = world.hearing.wait_for("poses that say so", "POSE",
+                                      lambda m: m["reasons"] & heard.UNSYNCED and m["cameras_used"] == COUNT)
+        assert_expected(world, pose)
+    finally:
+        world.guest.check(f"echo CLOCK_MONOTONIC >{clock}")
+    world.locd.start()
+    world.wait_for_full_pose()
+
+
 def blocking_device(world):
     """A device whose calls do not return holds up neither poses nor the end."""
     world.localize()

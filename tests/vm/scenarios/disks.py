@@ -33,6 +33,25 @@ def disk_full(world):
     assert not list((world.share / "full").rglob(".*.part")), "a half-written image is left"
 
 
+def failing_disk(world):
+    """The disk fails while recording: the recording ends and it is said; poses go on."""
+    world.localize()
+    mount_recordings(world)
+    world.locd.start()
+    session = world.wait_for_full_pose()["session"]
+    world.hearing.mark()
+    world.locd.request("start")
+    world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 2)
+    world.hearing.mark()
+    # What the kernel does when a disk gives an error: from now on it is read-only.
+    world.guest.check(f"mount -o remount,errors=remount-ro {MOUNT} && echo 1 >/sys/fs/ext4/vdb/trigger_fs_error")
+    world.hearing.wait_for("alert that recording ended", "ALERT",
+                           lambda m: m["raised"] and m["kind"] == "RECORDING", timeout_s=90)
+    assert world.wait_for_full_pose()["session"] == session
+    world.locd.stop()
+    world.guest.check(f"umount {MOUNT}")
+
+
 def power_cut(world):
     """The power goes while recording: what lies on the disk is a capture that lacks a second at most."""
     world.localize()

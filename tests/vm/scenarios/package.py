@@ -20,13 +20,8 @@ def install(world):
 def exposure_to_attack(world):
     """systemd's own measure of the sandbox, also with the drop-in for real-time threads."""
     assert_security(world, 16)
-    world.guest.check("cd /etc/systemd/system && mkdir -p locd.service.d && dpkg-deb --fsys-tarfile "
-                      "/share/waymark-locd.deb | tar -xO ./usr/share/doc/waymark-locd/examples/realtime.conf "
-                      ">locd.service.d/realtime.conf && systemctl daemon-reload")
-    try:
+    with world.locd.realtime_drop_in():
         assert_security(world, 16)
-    finally:
-        world.guest.check("rm /etc/systemd/system/locd.service.d/realtime.conf && systemctl daemon-reload")
 
 
 def assert_security(world, tenths):

@@ -24,6 +24,21 @@ def no_route_at_boot(world):
     assert world.locd.show("NRestarts") == "0"
 
 
+def route_lost(world):
+    """The way for multicast goes: messages are counted, nothing fails; it is back: so are they."""
+    world.localize()
+    session = world.wait_for_full_pose()["session"]
+    world.hearing.mark()
+    failures = world.hearing.wait_for("status", "STATUS", lambda m: True)["publish_failures"]
+    world.guest.check("ip link set dummy0 down")
+    # Silence tells nothing of how it is; some messages fall into it.
+    world.guest.check("sleep 5")
+    world.guest.check("ip link set dummy0 up && ip route add default via 192.168.77.2 dev dummy0")
+    world.hearing.mark()
+    world.hearing.wait_for("status", "STATUS", lambda m: m["publish_failures"] > failures)
+    assert world.wait_for_full_pose()["session"] == session
+
+
 def three_cameras(world):
     """Poses rest on all three cameras, are where the images put them, and the cameras are set as configured."""
     world.localize()

@@ -78,6 +78,27 @@ def stuck_thread(world):
     world.guest.check("journalctl -q -u locd | grep -qi 'watchdog timeout'")
 
 
+def clock_steps(world):
+    """The wall clock is set by an hour: utime does not jump; a TIME alert and a counter say it."""
+    world.localize()
+    world.hearing.mark()
+    steps = world.hearing.wait_for("status", "STATUS", lambda m: True)["time_steps"]
+    before = world.wait_for_full_pose()
+    world.guest.check("date --set=@$(($(date +%s) + 3600))")
+    try:
+        world.hearing.wait_for("TIME", "ALERT", lambda m: m["raised"] and m["kind"] == "TIME")
+        world.hearing.wait_for("counted step", "STATUS", lambda m: m["time_steps"] > steps)
+        after = world.wait_for_full_pose()
+        by_utime_s = (after["utime"] - before["utime"]) / 1e6
+        by_clock_s = after["heard_s"] - before["heard_s"]
+        assert abs(by_utime_s - by_clock_s) < 30, f"utime went on by {by_utime_s} s in {by_clock_s} s"
+        assert after["session"] == before["session"], "it was restarted"
+    finally:
+        world.guest.check("date --set=@$(($(date +%s) - 3600))")
+    world.locd.start()
+    world.wait_for_full_pose()
+
+
 def second_instance(world):
     """Refused with 69, naming the first's process."""
     world.localize()

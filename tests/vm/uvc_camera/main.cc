@@ -55,7 +55,7 @@ int main(int argc, char** argv) {
   app.add_option("--socket", options.socket, "Unix socket where QEMU's usb-redir connects")
       ->required();
   app.add_option("--control", options.control,
-                 "Unix socket for orders: stall, freeze, mute, short N, go, status")
+                 "Unix socket for orders: stall, freeze, mute, short N, paint GREY, go, status")
       ->required();
   app.add_option("--images", options.folder, "Folder with one camera's images")->required();
   app.add_option("--serial", options.serial, "Serial number");

@@ -33,6 +33,18 @@ Bytes negotiation(const CameraFormat& format) {
   return bytes;
 }
 
+constexpr int kMaxShort = 1'000'000;
+
+/// N, 0 to `most`, of an order that is `word` and N.
+std::optional<int> number_after(std::string_view word, std::string_view order, int most) {
+  if (!order.starts_with(word)) return std::nullopt;
+  const std::string_view digits = order.substr(word.size());
+  int number = 0;
+  const auto [end, error] = std::from_chars(digits.begin(), digits.end(), number);
+  if (error != std::errc{} || end != digits.end() || number < 0 || number > most) return {};
+  return number;
+}
+
 }  // namespace
 
 std::optional<Bytes> UvcDevice::answer(const ControlRequest& request, Instant now) {
@@ -94,17 +106,15 @@ std::string UvcDevice::obey(std::string_view order) {
     stream_.stall(false);
     stream_.freeze(false);
     stream_.shorten(0);
+    stream_.paint(std::nullopt);
     mute_ = false;
-  } else if (order.starts_with("short ")) {
-    int frames = 0;
-    const std::string_view number = order.substr(6);
-    const auto [end, error] = std::from_chars(number.begin(), number.end(), frames);
-    if (error != std::errc{} || end != number.end() || frames < 0) {
-      return "error: short takes a number of frames";
-    }
-    stream_.shorten(frames);
+  } else if (const auto frames = number_after("short ", order, kMaxShort)) {
+    stream_.shorten(*frames);
+  } else if (const auto grey = number_after("paint ", order, 255)) {
+    if (stream_.format().pixels != PixelFormat::grey) return "error: paint is for grey pixels";
+    stream_.paint(static_cast<std::uint8_t>(*grey));
   } else {
-    return "error: the orders are stall, freeze, mute, short N, go and status";
+    return "error: the orders are stall, freeze, mute, short N, paint GREY, go and status";
   }
   return "ok";
 }

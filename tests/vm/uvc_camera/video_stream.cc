@@ -33,7 +33,13 @@ void VideoStream::begin_frame(Instant now) {
   counts_.skipped += newest - index_;
   index_ = newest;
   parity_ ^= 1U;
-  if (frame_ == nullptr || !frozen_) frame_ = &feed_.at(index_);
+  if (grey_) {
+    // The two lowest bits differ from frame to frame: it is not frozen.
+    painted_.assign(feed_.at(index_).size(), static_cast<std::uint8_t>(*grey_ ^ (index_ & 3)));
+    frame_ = &painted_;
+  } else if (frame_ == nullptr || !frozen_) {
+    frame_ = &feed_.at(index_);
+  }
   end_ = frame_->size();
   if (short_ > 0) {
     --short_;

@@ -36,6 +36,8 @@ class VideoStream {
   // What goes wrong, on request.
   void stall(bool yes) { stalled_ = yes; }       ///< no frames, the device is there
   void freeze(bool yes) { frozen_ = yes; }       ///< one image for ever
+  /// Nothing but about this grey level, with a sensor's noise; nullopt: images again.
+  void paint(std::optional<std::uint8_t> grey) { grey_ = grey; }
   void shorten(int frames) { short_ = frames; }  ///< so many end half-way
 
   struct Counts {
@@ -53,6 +55,8 @@ class VideoStream {
   bool streaming_ = false;
   bool stalled_ = false;
   bool frozen_ = false;
+  std::optional<std::uint8_t> grey_;
+  Bytes painted_;
   int short_ = 0;
   std::int64_t index_ = 0;  ///< of the frame under way, or the next
   const Bytes* frame_ = nullptr;

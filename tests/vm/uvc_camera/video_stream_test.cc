@@ -114,5 +114,17 @@ TEST(VideoStream, AFrozenCameraRepeatsItsImage) {
   EXPECT_EQ(receive(stream, milliseconds(300)).image, Bytes(100'000, 3));
 }
 
+TEST(VideoStream, APaintedCameraShowsAGreyThatIsNotFrozen) {
+  VideoStream stream(numbered_frames(4));
+  stream.paint(255);
+  stream.start(milliseconds(0));
+  const Bytes first = receive(stream, milliseconds(100)).image;
+  const Bytes second = receive(stream, milliseconds(200)).image;
+  EXPECT_EQ(first, Bytes(100'000, 254));
+  EXPECT_EQ(second, Bytes(100'000, 253));
+  stream.paint(std::nullopt);
+  EXPECT_EQ(receive(stream, milliseconds(300)).image, Bytes(100'000, 3));
+}
+
 }  // namespace
 }  // namespace waymark::uvc

@@ -1,0 +1,67 @@
+"""How locd starts: without a camera, with the wrong one, in real time; what it says about cameras."""
+
+import re
+
+import hearing as heard
+from devices import wait_for_udev
+
+
+def start_without_a_camera(world):
+    """A camera that is not there never fails the start: after startup_wait_s it is ready and names it."""
+    world.localize()
+    world.locd.stop()
+    world.cameras[1].unplug()
+    world.locd.configure(startup_wait_s=5)
+    world.locd.start()  # returns when it is ready
+    world.hearing.mark()
+    world.hearing.wait_for("poses of the others", "POSE", lambda m: m["cameras_used"] == 2)
+    world.wait_until("STATUS names it", lambda: "cam1" in world.locd.show("StatusText"))
+    world.cameras[1].plug(1)
+    wait_for_udev(world, "WM-1")
+    world.wait_for_full_pose()
+    world.locd.configure()
+
+
+def wrong_camera(world):
+    """A camera in another's place refuses the start with 78, once, and names both; only a change mends it."""
+    world.localize()
+    world.locd.stop()
+    world.locd.configure(serials=(1, 0, 2))
+    world.guest.run("systemctl reset-failed locd; systemctl start locd", timeout_s=120)
+    world.wait_until("it has failed", lambda: world.locd.show("ActiveState") == "failed")
+    assert world.locd.show("ExecMainStatus") == "78" and world.locd.show("NRestarts") == "0"
+    said = world.locd.journal()
+    assert "WM-0" in said and "WM-1" in said, said
+    world.locd.configure()
+    world.locd.start()
+    world.wait_for_full_pose()
+
+
+def realtime(world):
+    """With the drop-in, cameras' threads and localization run in real time, and poses come."""
+    world.localize()
+    with world.locd.realtime_drop_in():
+        world.locd.configure(realtime=True)
+        world.locd.start()
+        world.wait_for_full_pose()
+        threads = world.guest.check(f"ps -L -o comm=,cls=,rtprio= -p {world.locd.pid()}")
+        of = dict(re.findall(r"^(\S+) +FF +(\d+)$", threads, re.M))
+        assert of == {"cam0": "40", "cam1": "40", "cam2": "40", "localization": "30"}, threads
+    world.locd.configure()
+    world.locd.start()
+    world.wait_for_full_pose()
+
+
+def list_and_check(world):
+    """--list-cameras prints a block for each; --check knows a running locd as their owner, and tries them without."""
+    world.localize()
+    listed = world.guest.check("locd --list-cameras")
+    assert sorted(re.findall(r'^device = "serial=(.*)"$', listed, re.M)) == ["WM-0", "WM-1", "WM-2"], listed
+    check = "RUNTIME_DIRECTORY=/run/locd STATE_DIRECTORY=/var/lib/locd locd --config /etc/locd/locd.toml --check"
+    checked = world.guest.check(check)
+    assert checked.count(f"in use by the running locd (pid {world.locd.pid()})") == 3, checked
+    world.locd.stop()
+    checked = world.guest.check(check, 120)
+    assert checked.count("gain 40") == 3 and "all is well" in checked, checked
+    world.locd.start()
+    assert world.wait_for_full_pose()["status"] in (heard.OK, heard.DEGRADED)
