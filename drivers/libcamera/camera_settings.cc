@@ -45,8 +45,8 @@ const PixelFormat* choose_pixels(const libcamera::StreamConfiguration& stream,
 /// Sets controls of one camera, as far as it has them.
 class ControlSetter {
  public:
-  ControlSetter(const libcamera::Camera& camera, const std::string& name)
-      : can_(camera.controls()), name_(name), list_(camera.controls()) {}
+  ControlSetter(const libcamera::ControlInfoMap& can, const std::string& name)
+      : can_(can), name_(name), list_(can) {}
 
   /// An automatism goes off where there is one.
   template <typename Control, typename Value>
@@ -146,10 +146,10 @@ std::string offered_formats(libcamera::Camera& camera) {
   return fmt::format("{}", fmt::join(all, "; "));
 }
 
-Expected<libcamera::ControlList> start_controls(const libcamera::Camera& camera,
+Expected<libcamera::ControlList> start_controls(const libcamera::ControlInfoMap& offered,
                                                 const CameraOptions& options) {
   const CameraControls& wanted = options.controls;
-  ControlSetter setter(camera, options.name);
+  ControlSetter setter(offered, options.name);
   if (wanted.exposure_us || wanted.gain) setter.set_if_there(controls::AeEnable, false);
   setter.set_if_there(controls::AfMode, static_cast<std::int32_t>(controls::AfModeManual));
   Status set = setter.set("exposure_us", controls::ExposureTime, wanted.exposure_us);

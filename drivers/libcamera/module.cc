@@ -205,7 +205,7 @@ class LibcameraSource final : public FrameSource {
   }
 
   [[nodiscard]] Status stream() {
-    auto controls = start_controls(*camera_, options_.camera);
+    auto controls = start_controls(camera_->controls(), options_.camera);
     if (!controls) return tl::make_unexpected(controls.error());
     exposure_ = from_us(options_.camera.controls.exposure_us.value_or(0));
     camera_->requestCompleted.connect(this, [this](libcamera::Request* r) { queue_.complete(r); });

@@ -73,6 +73,12 @@ Expected<std::unique_ptr<BufferStream>> BufferStream::start(VideoNode& node,
 BufferStream::~BufferStream() {
   int type = type_;
   if (streams_) node_.request(VIDIOC_STREAMOFF, &type);
+  // Frames that are still lent keep the memory mapped and, with it, the device taken, unless the
+  // buffers are handed back (since Linux 4.20 before they are unmapped).
+  v4l2_requestbuffers none{};
+  none.type = type_;
+  none.memory = V4L2_MEMORY_MMAP;
+  node_.request(VIDIOC_REQBUFS, &none);
 }
 
 Status BufferStream::map_buffers(std::size_t count) {

@@ -113,6 +113,15 @@ TEST_F(V4l2SourceTest, FramesOutliveTheDevice) {
   EXPECT_EQ(after.image().row(kHeight - 1)[kWidth - 1], 22);
 }
 
+TEST_F(V4l2SourceTest, BuffersGoBackToTheDriverWhenAStreamEndsAlsoWhileFramesAreLent) {
+  ASSERT_TRUE(source().start());
+  const Frame lent = taken(grey(0, 11));
+  ASSERT_FALSE(camera().memory.empty());
+  source().close();
+  EXPECT_TRUE(camera().memory.empty());
+  EXPECT_EQ(lent.image().row(kHeight - 1)[kWidth - 1], 11);
+}
+
 TEST_F(V4l2SourceTest, IsFoundAgainByItsSerialNumberUnderAnotherNodeAndSetAnew) {
   camera().controls[V4L2_CID_EXPOSURE_AUTO] = {0, 3, 1, 3};
   camera().controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {1, 5000, 1, 100};
