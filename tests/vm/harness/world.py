@@ -57,11 +57,15 @@ class World:
             else:
                 camera.order("go")
 
-    def localize(self):
-        """The package installed, three cameras, the usual configuration, poses of all three."""
+    def prepare(self):
+        """The package installed, a listener, three cameras; locd may run or not."""
         self.guest.check("test -x /usr/bin/locd || dpkg -i /share/waymark-locd.deb", 180)
         self.listen()
         self.plug_all()
+
+    def localize(self):
+        """All prepared, locd running with the usual configuration unless it runs already, poses of all three."""
+        self.prepare()
         if self.locd.show("ActiveState") != "active":
             self.locd.configure()
             self.locd.start()

@@ -6,16 +6,18 @@ import subprocess
 MOUNT = "/var/lib/locd/recordings"
 
 
-def mount_recordings(world):
-    world.guest.check(f"mountpoint -q {MOUNT} || {{ mount /dev/vdb {MOUNT} && chown locd:locd {MOUNT}; }}")
+def localize_with_disk(world):
+    """Poses of all cameras; recordings go to the disk of their own. The session."""
+    world.prepare()
+    if world.guest.run(f"mountpoint -q {MOUNT}")[0] != 0:
+        world.locd.stop()  # it does not see what is mounted later
+        world.guest.check(f"mount /dev/vdb {MOUNT} && chown locd:locd {MOUNT}")
+    return world.localize()["session"]
 
 
 def disk_full(world):
     """Recording onto a full disk ends, is said, and leaves whole sets; poses go on."""
-    world.localize()
-    mount_recordings(world)
-    world.locd.start()
-    session = world.wait_for_full_pose()["session"]
+    session = localize_with_disk(world)
     # Room for some ten sets of three images with 330 kB each.
     world.guest.check(f"rm -rf {MOUNT}/*; free=$(df --output=avail -B1 {MOUNT} | tail -1); "
                       f"fallocate -l $((free - 10000000)) {MOUNT}/ballast")
@@ -35,10 +37,7 @@ def disk_full(world):
 
 def failing_disk(world):
     """The disk fails while recording: the recording ends and it is said; poses go on."""
-    world.localize()
-    mount_recordings(world)
-    world.locd.start()
-    session = world.wait_for_full_pose()["session"]
+    session = localize_with_disk(world)
     world.hearing.mark()
     world.locd.request("start")
     world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 2)
@@ -54,10 +53,7 @@ def failing_disk(world):
 
 def power_cut(world):
     """The power goes while recording: what lies on the disk is a capture that lacks a second at most."""
-    world.localize()
-    mount_recordings(world)
-    world.locd.start()
-    world.wait_for_full_pose()
+    localize_with_disk(world)
     folder = world.locd.request("start").removeprefix("ok ")
     world.hearing.mark()
     world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 8, timeout_s=90)
