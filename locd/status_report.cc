@@ -49,16 +49,19 @@ std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::Cam
   if (!first_look_) first_look_ = now;
   std::vector<Alert> alerts;
   for (std::size_t c = 0; c < states.size(); ++c) {
+    const auto tell = [&](AlertKind kind, bool& told, bool holds) {
+      if (told == holds) return;
+      told = holds;
+      Alert alert;
+      alert.kind = kind;
+      alert.raised = holds;
+      alert.stamp = now;
+      alert.camera = static_cast<int>(c);
+      alerts.push_back(alert);
+    };
     const bool may_still_come = states[c].frames == 0 && now - *first_look_ < grace;
-    const bool missing = !states[c].running && !may_still_come;
-    if (missing == cameras_[c].missing) continue;
-    cameras_[c].missing = missing;
-    Alert alert;
-    alert.kind = AlertKind::camera_missing;
-    alert.raised = missing;
-    alert.stamp = now;
-    alert.camera = static_cast<int>(c);
-    alerts.push_back(alert);
+    tell(AlertKind::camera_missing, cameras_[c].missing, !states[c].running && !may_still_come);
+    tell(AlertKind::stamps_unsynced, cameras_[c].unsynced, states[c].unsynced);
   }
   return alerts;
 }

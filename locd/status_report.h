@@ -20,8 +20,8 @@ class StatusReport {
   /// of its own periods.
   void judge(std::vector<RigCapture::CameraState>& states, Stamp now);
 
-  /// Raised or over: a camera that delivers nothing for a second. A camera that never delivered is
-  /// missing from `grace` after the first look on.
+  /// Raised or over: a camera whose stamps can't be believed; one that delivers nothing for a
+  /// second. A camera that never delivered is missing from `grace` after the first look on.
   [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
                                                  Stamp now, Stamp grace);
 
@@ -48,6 +48,7 @@ class StatusReport {
     std::string description;
     std::string error;
     bool missing = false;
+    bool unsynced = false;
     std::uint64_t frames_judged = 0;
     Stamp last_frame{0};
     Stamp period = std::chrono::seconds(1);  ///< between frames; until two came, a slow guess

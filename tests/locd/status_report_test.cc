@@ -93,6 +93,21 @@ TEST(StatusReport, ACameraIsMissingOnceAndOverOnce) {
   EXPECT_FALSE(back[0].raised);
 }
 
+TEST(StatusReport, StampsThatAreNotBelievedAreAnAlertUntilTheyAre) {
+  Machine machine(milliseconds(100));
+  EXPECT_TRUE(machine.run(seconds(2), true).empty());
+  machine.states()[0].unsynced = true;
+  const auto begun = machine.run(seconds(2), true);
+  ASSERT_EQ(begun.size(), 1U);
+  EXPECT_EQ(begun[0].kind, AlertKind::stamps_unsynced);
+  EXPECT_TRUE(begun[0].raised);
+  EXPECT_EQ(begun[0].camera, 0);
+  machine.states()[0].unsynced = false;
+  const auto over = machine.run(seconds(2), true);
+  ASSERT_EQ(over.size(), 1U);
+  EXPECT_FALSE(over[0].raised);
+}
+
 TEST(StatusReport, ASlowCameraIsNotMissingBetweenItsFrames) {
   Machine machine(milliseconds(1300));
   EXPECT_TRUE(machine.run(seconds(30), true).empty());
