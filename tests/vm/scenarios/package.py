@@ -32,6 +32,7 @@ def assert_security(world, tenths):
 def upgrade(world):
     """Another version takes over: configuration and quarantine stay, what ran runs again."""
     guest = world.guest
+    guest.check("dpkg --purge waymark-libcamera")  # it wants locd of its own version
     world.localize()
     guest.check("echo '# ours' >>/etc/locd/locd.toml; install -o locd -m 640 /dev/null /var/lib/locd/kept")
     pid = world.locd.pid()
@@ -58,7 +59,8 @@ def remove(world):
     """Removed, it stops and leaves configuration and state; purged, nothing of ours is left."""
     guest = world.guest
     guest.check("systemctl start locd", 120)
-    guest.check("dpkg --remove waymark-locd", 120)
+    # The driver's package wants locd's of its own version: both go.
+    guest.check("dpkg --purge waymark-libcamera; dpkg --remove waymark-locd", 120)
     assert guest.run("pgrep -x locd")[0] == 1, "it still runs"
     guest.check("test ! -e /usr/bin/locd && test -f /etc/locd/locd.toml && test -d /var/lib/locd")
     guest.check("umount /var/lib/locd/recordings 2>/dev/null; rm -f /etc/locd/*.map /etc/locd/*.yaml "
