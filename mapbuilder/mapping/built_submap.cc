@@ -14,8 +14,12 @@ namespace {
 struct ResidualSum {
   double squared_px2 = 0;
   std::size_t corners = 0;
-  void add(const std::array<Eigen::Vector2d, 4>& residuals) {
-    for (const Eigen::Vector2d& r : residuals) squared_px2 += r.squaredNorm();
+  /// A corner counts as `most_px` off at most: near the camera plane a wrong id's is as far off as
+  /// one likes, and says nothing more.
+  void add(const std::array<Eigen::Vector2d, 4>& residuals, double most_px) {
+    for (const Eigen::Vector2d& r : residuals) {
+      squared_px2 += std::min(r.squaredNorm(), most_px * most_px);
+    }
     corners += 4;
   }
   [[nodiscard]] double rms_px() const {
@@ -97,8 +101,9 @@ BuiltSubMap describe(const JointBuild& build, const Component& part) {
     const auto marker = static_cast<std::size_t>(o.marker);
     const auto residuals =
         corner_residuals(o, camera_of(table, o).model, cam_from_marker(table, state, o));
+    const double most_px = gross_residual_px(camera_of(table, o).model);
     if (residuals) {
-      all.add(*residuals);
+      all.add(*residuals, most_px);
       result.residuals.push_back({index, state.accepted[index] != 0, *residuals});
     }
     if (state.accepted[index] == 0 || !residuals) {
@@ -108,8 +113,8 @@ BuiltSubMap describe(const JointBuild& build, const Component& part) {
     }
     ++accepted[marker];
     independent[marker] += accepted_in_set[o.frame_set] >= 2 ? 1 : 0;
-    inliers.add(*residuals);
-    per_marker[marker].add(*residuals);
+    inliers.add(*residuals, most_px);
+    per_marker[marker].add(*residuals, most_px);
   }
   result.map.rms_px = inliers.rms_px();
   result.map.rms_all_px = all.rms_px();
