@@ -15,6 +15,7 @@
 #include "locd/map_watch.h"
 #include "locd/motion_filter.h"
 #include "locd/robust_pose.h"
+#include "locd/skew_watch.h"
 
 namespace waymark {
 namespace {
@@ -40,7 +41,8 @@ struct Localizer::Implementation {
         motion(motion_options(options)),
         map_watch(map, robust.solver()),
         camera_watch(rig, map),
-        health(rig.cameras.size()) {
+        health(rig.cameras.size()),
+        skew_watch({options.triggered, options.negligible_skew}) {
     observations.reserve(kMaxObservations);
     quarantined.reserve(kMaxObservations);
     alerts.reserve(kMaxObservations);
@@ -71,6 +73,7 @@ struct Localizer::Implementation {
   MapWatch map_watch;
   CameraWatch camera_watch;
   ImageHealth health;
+  SkewWatch skew_watch;
   std::vector<SetObservation> observations;
   std::vector<SetObservation> quarantined;  ///< held against the pose, take no part in it
   std::vector<Alert> alerts;
@@ -85,6 +88,7 @@ void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate&
       health.look(c, set.frames[c].image(), set.frames[c].stamp(), alerts);
     }
   }
+  skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
   detector.detect(set, set.cameras & ~health.unhealthy());
   const Stamp detected = monotonic_now();
   observe(set, estimate);
