@@ -21,9 +21,9 @@ struct StreamSettings {
 /// "GREY 1224×1024; YUYV …": what the camera offers.
 [[nodiscard]] std::string offered_formats(libcamera::Camera& camera);
 
-/// Controls to start a camera with, of those `offered`. Automatic focus is always off. Errors: config for a value that
-/// the camera has no control for, or outside its range.
-[[nodiscard]] Expected<libcamera::ControlList> start_controls(const libcamera::ControlInfoMap& offered,
-                                                              const CameraOptions& options);
+/// Controls to start a camera with, of those `offered`. Automatic focus is always off. Errors:
+/// config for a value that the camera has no control for, or outside its range.
+[[nodiscard]] Expected<libcamera::ControlList> start_controls(
+    const libcamera::ControlInfoMap& offered, const CameraOptions& options);
 
 }  // namespace waymark

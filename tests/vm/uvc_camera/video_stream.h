@@ -34,8 +34,8 @@ class VideoStream {
   [[nodiscard]] std::optional<Bytes> next_payload(Instant now, std::uint32_t room);
 
   // What goes wrong, on request.
-  void stall(bool yes) { stalled_ = yes; }       ///< no frames, the device is there
-  void freeze(bool yes) { frozen_ = yes; }       ///< one image for ever
+  void stall(bool yes) { stalled_ = yes; }  ///< no frames, the device is there
+  void freeze(bool yes) { frozen_ = yes; }  ///< one image for ever
   /// Nothing but about this grey level, with a sensor's noise; nullopt: images again.
   void paint(std::optional<std::uint8_t> grey) { grey_ = grey; }
   void shorten(int frames) { short_ = frames; }  ///< so many end half-way
