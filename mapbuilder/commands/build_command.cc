@@ -70,11 +70,37 @@ std::optional<Family> only_family_of(const ObservationTable& table) {
   return table.markers.front().family;
 }
 
-/// The refined rigs as camchains: MAP's name with .yaml, numbered from the second on.
-Status write_refined_rigs(const BuildCommandOptions& options, const ObservationTable& table,
-                          std::ostream& out) {
-  const std::filesystem::path first = options.refined_rig.value_or(
+/// Where the first refined rig goes: as asked for, else MAP's name with .yaml; nullopt when none is
+/// refined.
+std::optional<std::filesystem::path> refined_rig_path(const BuildCommandOptions& options) {
+  if (!options.build.refine.extrinsics && !options.build.refine.intrinsics) return std::nullopt;
+  return options.refined_rig.value_or(
       std::filesystem::path(options.output).replace_extension(".yaml"));
+}
+
+/// Fails when the refined rig could not be written, or would take the place of another file of this
+/// build: the user's calibration above all.
+Status check_refined_rig_path(const BuildCommandOptions& options) {
+  const auto path = refined_rig_path(options);
+  if (!path) return {};
+  if (auto writable = check_writable(*path); !writable) return writable;
+  std::vector<std::filesystem::path> taken{options.output};
+  if (options.trajectory) taken.push_back(*options.trajectory);
+  if (options.input.rig_yaml) taken.push_back(*options.input.rig_yaml);
+  for (const auto& capture : options.input.paths) taken.push_back(capture / "rig.yaml");
+  const auto place = [](const auto& file) { return std::filesystem::weakly_canonical(file); };
+  for (const auto& file : taken) {
+    if (place(file) != place(*path)) continue;
+    return fail(ErrorKind::usage,
+                "{}: the refined rig would take its place; name another with --refined-rig",
+                path->string());
+  }
+  return {};
+}
+
+/// The refined rigs as camchains, numbered from the second on.
+Status write_refined_rigs(const std::filesystem::path& first, const ObservationTable& table,
+                          std::ostream& out) {
   for (std::size_t i = 0; i < table.rigs.size(); ++i) {
     std::filesystem::path path = first;
     if (i > 0) {
@@ -181,6 +207,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                   options.output.string());
     }
   }
+  if (auto allowed = check_refined_rig_path(options); !allowed) return allowed;
   auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
   const auto truths = options.report ? read_truths(*captures, notes) : std::vector<CaptureTruth>{};
@@ -246,9 +273,8 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     report_folder.emplace(std::move(*written));
   }
   if (auto written = write_map_file(options.output, result.map); !written) return written;
-  const bool refined = options.build.refine.extrinsics || options.build.refine.intrinsics;
-  if (refined && result.calibration.refined) {
-    if (auto written = write_refined_rigs(options, *table, out); !written) return written;
+  if (const auto path = refined_rig_path(options); path && result.calibration.refined) {
+    if (auto written = write_refined_rigs(*path, *table, out); !written) return written;
   }
   if (options.trajectory) {
     for (std::size_t i = 0; i < result.submaps.size(); ++i) {

@@ -104,13 +104,19 @@ bool differ_surely(const CameraModel& stated, const CameraModel& fitted,
   if (sure.joint.size() == 0) return false;
   const auto first = static_cast<Eigen::Index>(6 * sure.cameras.size() + 8 * camera);
   const Eigen::Matrix<double, 8, 8> covariance = sure.joint.block<8, 8>(first, first);
-  // Per sigma, for focal lengths and lens coefficients are of different size.
+  // Per sigma, for focal lengths and lens coefficients are of different size. What was not free
+  // (the lens of a camera stated without any, at first) differs by nothing.
   const Intrinsics sigma = covariance.diagonal().cwiseSqrt();
-  if (!(sigma.minCoeff() > 0)) return false;
-  const Intrinsics per_sigma = sigma.cwiseInverse();
+  if (!(sigma.maxCoeff() > 0)) return false;
+  const Intrinsics per_sigma =
+      sigma.unaryExpr([](double one) { return one > 0 ? 1.0 / one : 0.0; });
   const Intrinsics off = per_sigma.cwiseProduct(intrinsics_of(fitted) - intrinsics_of(stated));
-  const double distance2 =
-      off.dot((per_sigma.asDiagonal() * covariance * per_sigma.asDiagonal()).ldlt().solve(off));
+  Eigen::Matrix<double, 8, 8> correlation =
+      per_sigma.asDiagonal() * covariance * per_sigma.asDiagonal();
+  for (Eigen::Index i = 0; i < 8; ++i) {
+    if (!(sigma[i] > 0)) correlation(i, i) = 1.0;
+  }
+  const double distance2 = off.dot(correlation.ldlt().solve(off));
   // As unlikely as five sigmas of one freedom.
   constexpr double kByChance_8 = 44.0;
   return distance2 > kByChance_8;
@@ -135,12 +141,16 @@ double largest_shift_px(const CameraModel& before, const CameraModel& after) {
   return largest;
 }
 
-void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& findings) {
+void name_misfits(const CalibrationResult& calibration, const FreeCalibration& asked,
+                  std::vector<Finding>& findings) {
+  // Refined sizes alone leave the rig file as it is: then what was fitted to it is evidence only.
+  const bool rig_refined = calibration.refined && (asked.extrinsics || asked.intrinsics);
   const bool judge_extrinsics =
-      calibration.refined || calibration.extrinsics_cost_ratio < kExplainsTooLittle;
+      rig_refined || calibration.extrinsics_cost_ratio < kExplainsTooLittle;
   const bool judge_intrinsics =
-      calibration.refined || calibration.intrinsics_cost_ratio < kExplainsTooLittle;
-  if (calibration.rigs_fitted.empty()) return;
+      rig_refined || calibration.intrinsics_cost_ratio < kExplainsTooLittle;
+  // Without two markers in any frame set nothing was adjusted, and nothing is known.
+  if (calibration.rigs_fitted.empty() || calibration.uncertainty.cameras.empty()) return;
   const std::vector<Rig>& after = calibration.rigs_fitted;
   std::size_t index = 0;
   for (std::size_t r = 0; r < after.size(); ++r) {
@@ -155,7 +165,7 @@ void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& fi
       if (judge_extrinsics &&
           (moved_m > std::max(kWorthNaming_m, kSigmas * sure.position_m) ||
            turned_rad > std::max(kWorthNaming_rad, kSigmas * sure.rotation_rad))) {
-        findings.push_back(rig_misfit(stated, fitted, sure, calibration.refined));
+        findings.push_back(rig_misfit(stated, fitted, sure, rig_refined));
       }
       if (!judge_intrinsics ||
           !differ_surely(stated.model, fitted.model, calibration.uncertainty, index)) {
@@ -166,7 +176,7 @@ void name_misfits(const CalibrationResult& calibration, std::vector<Finding>& fi
       const double focal =
           std::abs(fitted.model.parameters().fu_px / stated.model.parameters().fu_px - 1.0);
       if (focal > std::max(kWorthNamingFocal, kSigmas * sure.focal) || shift_px > kWorthNaming_px) {
-        findings.push_back(intrinsics_misfit(stated, fitted, sure, shift_px, calibration.refined));
+        findings.push_back(intrinsics_misfit(stated, fitted, sure, shift_px, rig_refined));
       }
     }
   }
@@ -270,7 +280,7 @@ std::vector<Finding> calibration_findings(const BuildResult& result, const Obser
   const CalibrationResult& calibration = result.calibration;
   if (!calibration.refused.empty()) findings.push_back(refusal(calibration));
   if (!calibration.held.empty()) findings.push_back(partial_refusal(calibration));
-  name_misfits(calibration, findings);
+  name_misfits(calibration, options.refine, findings);
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     const std::size_t first = findings.size();
     name_survey(result.submaps[i], findings);

@@ -99,18 +99,28 @@ DiagnosedBuild build_and_diagnose(ObservationTable& table, const BuildOptions& o
     build.result = build_map(corrected.table, options, progress);
     const auto diagnoses =
         diagnose(build.result, options, diagnosis_options, given.stated_sizes_m, corrected.table);
-    const TableCorrections better = corrections_for(corrected, diagnoses);
+    TableCorrections better = corrections_for(corrected, diagnoses);
     if (builds < kMostBuilds &&
         would_change(corrections, better, mapped_observations(corrected, build.result))) {
       corrections = better;
       corrected = correct(given, corrections);
       continue;
     }
+    // Before the table that the views point into is replaced.
     for (const MarkerDiagnosis& diagnosis : diagnoses) {
       for (Finding& finding : marker_findings(corrected.table, diagnosis)) {
-        finding.submap = submap_of(build.result, finding.markers.front());
         build.findings.push_back(std::move(finding));
       }
+    }
+    if (would_change(corrections, better, mapped_observations(corrected, build.result))) {
+      // No end of it: nothing that is named may stay in.
+      better.left_out.insert(corrections.left_out.begin(), corrections.left_out.end());
+      corrections = std::move(better);
+      corrected = correct(given, corrections);
+      build.result = build_map(corrected.table, options, progress);
+    }
+    for (Finding& finding : build.findings) {
+      finding.submap = submap_of(build.result, finding.markers.front());
     }
     break;
   }

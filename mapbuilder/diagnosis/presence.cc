@@ -39,9 +39,16 @@ std::map<int, Looks> looks_at(const MapEvidence& evidence, int marker) {
   const auto distance_m = [&](int frame_set) {
     return (evidence.world_from_rig(frame_set)->translation - x_in_world).norm();
   };
+  std::set<int> nearly;
   for (const MarkerView& view : views) {
-    // A wrong id that was read once elsewhere is no sighting.
-    if (!view.accepted) continue;
+    // A wrong id that was read once elsewhere is no sighting; what the gate rejects close by is no
+    // absence either.
+    if (!view.accepted) {
+      if (distance_px(view, *evidence.place(marker)) < side_px(view)) {
+        nearly.insert(view.observation->frame_set);
+      }
+      continue;
+    }
     found.insert(view.observation->frame_set);
     least_side_px = std::min(least_side_px, side_px(view));
     reach_m = std::max(reach_m, distance_m(view.observation->frame_set));
@@ -51,7 +58,7 @@ std::map<int, Looks> looks_at(const MapEvidence& evidence, int marker) {
     const TableFrameSet& set = evidence.table().frame_sets[static_cast<std::size_t>(f)];
     if (found.contains(f)) {
       ++looks[set.capture].found;
-    } else if (distance_m(f) <= reach_m &&
+    } else if (!nearly.contains(f) && distance_m(f) <= reach_m &&
                has_clear_sight(evidence, f, *evidence.place(marker), least_side_px)) {
       ++looks[set.capture].empty;
     }

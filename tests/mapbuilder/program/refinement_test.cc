@@ -51,6 +51,29 @@ TEST_P(UnsupportedRefinement, IsRefusedWithTheReasonAndTheMapIsThatWithoutIt) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "refined.yaml"));
 }
 
+TEST(RefinedRig, NeverTakesThePlaceOfAnotherFileOfTheBuild) {
+  const test::TemporaryFolder folder;
+  test::write_capture(test::make_room(room(3, 20)), folder.path() / "room");
+  const std::string capture = (folder.path() / "room").string();
+  const std::string stated = folder.read("room/rig.yaml");
+  const auto refine = [&](const std::string& output, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        "build", capture, "-o", (folder.path() / output).string(), "--refine", "extrinsics"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_mapbuilder(arguments);
+  };
+  const auto beside = refine("room/rig.map", {});
+  EXPECT_EQ(beside.exit_code, 64) << beside.err;
+  EXPECT_NE(beside.err.find("--refined-rig"), std::string::npos) << beside.err;
+  EXPECT_EQ(folder.read("room/rig.yaml"), stated);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "room/rig.map"));
+  EXPECT_EQ(refine("site.yaml", {}).exit_code, 64);
+  const auto nowhere =
+      refine("site.map", {"--refined-rig", (folder.path() / "absent" / "r.yaml").string()});
+  EXPECT_NE(nowhere.exit_code, 0);
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "site.map"));
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Refinement, UnsupportedRefinement,
     testing::Values(
