@@ -51,6 +51,10 @@ def other_formats(world):
     guest.check("rmmod vivid")
 
 
+# What an emulated computer feeds and reads three times 30 times a second beside other work.
+FED_WIDTH, FED_HEIGHT = 320, 240
+
+
 def thirty_frames_a_second(world):
     """Three devices at 30 frames a second: the driver alone loses none."""
     guest = world.guest
@@ -63,13 +67,13 @@ def thirty_frames_a_second(world):
     # Whatever max_buffers says, it forgets all but the newest frame when its reader is three behind. Both on
     # one processor, the reader first as with [service] realtime: what holds one up holds up the other.
     guest.check("systemd-run --quiet --unit=feed --property=CPUAffinity=1 "
-                f"/share/bin/vm_feed {WIDTH} {HEIGHT} 30 {' '.join(nodes)}")
+                f"/share/bin/vm_feed {FED_WIDTH} {FED_HEIGHT} 30 {' '.join(nodes)}")
     try:
         wait_until_fed(world, nodes)
         # A machine with much other work may feed more slowly; that proves nothing, and none may be lost then either.
         for _ in range(ATTEMPTS):
-            text = guest.check(f"chrt --fifo 40 taskset --cpu-list 1 /share/bin/vm_capture {links} --width {WIDTH} "
-                               f"--height {HEIGHT} --numbered --frames 300", 120)
+            text = guest.check(f"chrt --fifo 40 taskset --cpu-list 1 /share/bin/vm_capture {links} --width {FED_WIDTH}"
+                               f" --height {FED_HEIGHT} --numbered --frames 300", 120)
             print(text)
             gaps_ms = [float(gap) for gap in re.findall(r"frames, ([\d.]+) ms", text)]
             if all(32 < gap < 35 for gap in gaps_ms):
@@ -85,4 +89,4 @@ def thirty_frames_a_second(world):
 def wait_until_fed(world, nodes):
     """v4l2loopback's devices offer no format to capture before one is fed."""
     world.wait_until("feed feeds", lambda: all(
-        f"{WIDTH}/{HEIGHT}" in world.guest.run(f"v4l2-ctl -d {node} --get-fmt-video")[1] for node in nodes))
+        f"{FED_WIDTH}/{FED_HEIGHT}" in world.guest.run(f"v4l2-ctl -d {node} --get-fmt-video")[1] for node in nodes))
