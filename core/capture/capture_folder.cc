@@ -62,6 +62,7 @@ class FolderReader {
       if (clock != "realtime" && clock != "monotonic") {
         return wrong(*node, "clock must be \"realtime\" or \"monotonic\"");
       }
+      capture_.monotonic = clock == "monotonic";
     }
     if (const toml::node* node = table->get("session")) {
       if (!node->is_string()) return wrong(*node, "session must be a text");

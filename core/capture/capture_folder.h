@@ -23,7 +23,8 @@ struct CaptureFolder {
   std::optional<std::filesystem::path> detections_csv;
   std::optional<std::filesystem::path> survey_toml;
   Stamp sync_tolerance = kDefaultSyncTolerance;
-  std::string session;             ///< from capture.toml, may be empty
+  bool monotonic = false;  ///< stamps count from the recorder's last start, not from the epoch
+  std::string session;     ///< from capture.toml, may be empty
   bool stamps_from_names = true;   ///< false: names are no stamps; sorted, 1 s apart (mono only)
   std::vector<std::string> notes;  ///< what the user should know, one line each
 };

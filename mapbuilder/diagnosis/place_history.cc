@@ -115,9 +115,17 @@ void tell_order(const MapEvidence& evidence, const Sightings& first, const Sight
   if (history.interleaved) return;
   if (!order.empty()) history.second_is_later = *order.begin();
   if (shared) return;
-  // Captures on one clock follow each other; where they overlap, clocks don't tell.
+  // Captures on one clock follow each other; where they overlap, or count from the start of a
+  // computer, clocks don't tell.
   Period a;
   Period b;
+  const auto monotonic = [&](const auto& seen) {
+    return evidence.table().capture_monotonic[static_cast<std::size_t>(seen.first)] != 0;
+  };
+  if (std::any_of(first.periods().begin(), first.periods().end(), monotonic) ||
+      std::any_of(second.periods().begin(), second.periods().end(), monotonic)) {
+    return;
+  }
   for (const TableFrameSet& set : evidence.table().frame_sets) {
     if (first.periods().contains(set.capture)) a.add(set.stamp);
     if (second.periods().contains(set.capture)) b.add(set.stamp);

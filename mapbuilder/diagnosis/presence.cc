@@ -86,6 +86,14 @@ std::optional<PartTimeMarker> part_time(const MapEvidence& evidence, int marker,
   if (result.seen_in.empty() || result.empty_in.empty()) return std::nullopt;
   const double missed = 1.0 - std::min(kMostFound, found / looked);
   if (std::pow(missed, result.empty_looks) > options.most_by_chance) return std::nullopt;
+  const auto monotonic = [&](int capture) {
+    return evidence.table().capture_monotonic[static_cast<std::size_t>(capture)] != 0;
+  };
+  // Stamps that count from the start of a computer say nothing across captures.
+  if (std::any_of(result.seen_in.begin(), result.seen_in.end(), monotonic) ||
+      std::any_of(result.empty_in.begin(), result.empty_in.end(), monotonic)) {
+    return result;
+  }
   const auto seen = span_of(evidence.table(), result.seen_in);
   const auto empty = span_of(evidence.table(), result.empty_in);
   if (empty.second < seen.first) result.appeared = true;

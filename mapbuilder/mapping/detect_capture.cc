@@ -48,8 +48,8 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
   if (auto status = check_found_in_images(capture.catalog, capture.path.string()); !status) {
     return tl::make_unexpected(std::move(status.error()));
   }
-  DetectedCapture detected{
-      capture.path.string(), capture.rig, capture.catalog, {}, capture.sync_tolerance};
+  DetectedCapture detected{capture.path.string(),  capture.rig,      capture.catalog, {},
+                           capture.sync_tolerance, capture.monotonic};
   std::size_t rotated = 0;
   std::size_t deep = 0;
   const int threads = effective_threads(options.threads);
@@ -127,8 +127,9 @@ Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport
         fmt::format("{}: {} rows left out, their corners do not run clockwise from top-left",
                     capture.detections_csv->string(), table->misordered));
   }
-  return DetectedCapture{capture.path.string(), capture.rig, capture.catalog,
-                         std::move(table->images), capture.sync_tolerance};
+  return DetectedCapture{capture.path.string(),  capture.rig,
+                         capture.catalog,        std::move(table->images),
+                         capture.sync_tolerance, capture.monotonic};
 }
 
 }  // namespace

@@ -287,6 +287,7 @@ Expected<ObservationTable> make_observation_table(std::vector<DetectedCapture> c
     }
     maker.table.capture_names.push_back(captures[index].name);
     maker.table.capture_places.push_back(index);
+    maker.table.capture_monotonic.push_back(captures[index].monotonic ? 1 : 0);
     maker.table.capture_fingerprints.push_back(hash);
     maker.add(captures[index], static_cast<int>(maker.table.capture_names.size()) - 1);
   }

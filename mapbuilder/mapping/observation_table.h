@@ -20,6 +20,7 @@ struct DetectedCapture {
   MarkerCatalog catalog;
   std::vector<ImageDetections> images;  ///< by rising (stamp, camera)
   Stamp sync_tolerance = kDefaultSyncTolerance;
+  bool monotonic = false;  ///< its stamps can't be compared with another capture's
 };
 
 /// 16 hexadecimal digits that depend on a rig's numbers, or on a capture's detections, and nothing
@@ -54,6 +55,7 @@ struct ObservationTable {
   std::vector<Rig> rigs;                    ///< captures of the same cameras share one
   std::vector<std::string> capture_names;   ///< canonical order
   std::vector<std::size_t> capture_places;  ///< per capture: its place among those given
+  std::vector<char> capture_monotonic;      ///< per capture: 1 where stamps count from a start
   /// Captures whose rig.yaml names the same cameras (serials) and states other numbers: their rigs
   /// are kept apart. By name, rising.
   std::vector<std::pair<std::string, std::string>> recalibrated;

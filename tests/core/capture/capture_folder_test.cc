@@ -84,6 +84,7 @@ TEST_F(Capture, CaptureTomlIsRead) {
   const CaptureFolder capture = good();
   EXPECT_EQ(capture.session, "a1");
   EXPECT_EQ(capture.sync_tolerance, std::chrono::microseconds(1500));
+  EXPECT_TRUE(capture.monotonic);
 }
 
 TEST_F(Capture, WrongCaptureTomlIsBadData) {

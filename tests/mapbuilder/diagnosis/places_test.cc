@@ -89,6 +89,20 @@ TEST_F(PlacesTest, aMarkerMovedBetweenCapturesKeepsItsLaterPlace) {
   EXPECT_LT(worst_distance_m(second, {}), 0.01);
 }
 
+TEST_F(PlacesTest, aMarkerMovedBetweenCapturesWhoseClocksTellNoOrderIsKeptOut) {
+  const SyntheticRoom first = noisy_room();
+  SyntheticRoom second = first;
+  second.world_from_marker[3] = shifted(first.world_from_marker[3], -0.25, 0.0, 0.3);
+  take_down(second, 3);
+  hang(second, 3, second.world_from_marker[3], 0.3, always);
+  DetectedCapture before = capture_of(first, "first");
+  DetectedCapture after = capture_of(an_hour_later(second), "second");
+  before.monotonic = after.monotonic = true;
+  build({before, after});
+  expect_only(FindingKind::moved_between_captures, 3);
+  EXPECT_EQ(mapped(3), nullptr);
+}
+
 TEST_F(PlacesTest, newAndGoneMarkersAreNamedBetweenCaptures) {
   SyntheticRoom first = noisy_room();
   SyntheticRoom second = first;
