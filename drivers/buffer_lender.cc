@@ -32,11 +32,12 @@ std::optional<std::uint32_t> BufferLender::lend(std::uint32_t index) {
   return stream.number * kMaxBuffers + index;
 }
 
-std::vector<std::uint32_t> BufferLender::take_returned() {
+std::optional<std::uint32_t> BufferLender::take_returned() {
   const std::lock_guard lock(mutex_);
-  std::vector<std::uint32_t> taken = returned_;
-  returned_.clear();
-  return taken;
+  if (returned_.empty()) return std::nullopt;
+  const std::uint32_t index = returned_.back();
+  returned_.pop_back();
+  return index;
 }
 
 void BufferLender::take_back(std::uint32_t slot) noexcept {

@@ -24,8 +24,8 @@ class BufferLender final : public FrameLender {
   /// lent as may be.
   [[nodiscard]] std::optional<std::uint32_t> lend(std::uint32_t index);
 
-  /// Buffers of the running stream that came back since the last call.
-  [[nodiscard]] std::vector<std::uint32_t> take_returned();
+  /// A buffer of the running stream that has come back; nullopt: none (any more).
+  [[nodiscard]] std::optional<std::uint32_t> take_returned();
 
   void take_back(std::uint32_t slot) noexcept override;
 

@@ -91,11 +91,12 @@ FrameMaker::Made FrameMaker::convert(std::span<const std::uint8_t> bytes, const 
   return {Frame(info, image.view(), nullptr, &lender_, *slot), true, true};
 }
 
-std::vector<std::uint32_t> FrameMaker::take_returned() {
-  std::vector<std::uint32_t> returned = lender_.take_returned();
-  if (in_place()) return returned;
-  free_images_.insert(free_images_.end(), returned.begin(), returned.end());
-  return {};
+std::optional<std::uint32_t> FrameMaker::take_returned() {
+  while (const auto index = lender_.take_returned()) {
+    if (in_place()) return index;
+    free_images_.push_back(*index);
+  }
+  return std::nullopt;
 }
 
 }  // namespace waymark

@@ -51,8 +51,8 @@ class FrameMaker {
   [[nodiscard]] Made make(std::uint32_t buffer, std::span<const std::uint8_t> bytes,
                           const FrameInfo& info);
 
-  /// Buffers to be given back, whose frames have ended since the last call.
-  [[nodiscard]] std::vector<std::uint32_t> take_returned();
+  /// A buffer to be given back, whose frame has ended; nullopt: none (any more).
+  [[nodiscard]] std::optional<std::uint32_t> take_returned();
 
   [[nodiscard]] std::uint64_t damaged() const { return damaged_; }
   [[nodiscard]] std::uint64_t lost() const { return lost_; }

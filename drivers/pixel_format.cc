@@ -37,19 +37,6 @@ void take_bits(const std::uint8_t* bytes, std::size_t stride_bytes, int shift, G
   }
 }
 
-Status decode(std::span<const std::uint8_t> bytes, GrayImage& image) {
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): a JPEG as it comes off the wire
-  auto decoded = decode_jpeg({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  if (!decoded) return tl::make_unexpected(decoded.error());
-  const GrayImage& got = decoded->image;
-  if (got.width_px != image.width_px || got.height_px != image.height_px) {
-    return fail(ErrorKind::bad_data, "a JPEG of {}×{} px among {}×{}", got.width_px, got.height_px,
-                image.width_px, image.height_px);
-  }
-  image.pixels = std::move(decoded->image.pixels);
-  return {};
-}
-
 }  // namespace
 
 std::span<const PixelFormat> pixel_formats() { return kFormats; }
@@ -78,7 +65,10 @@ std::string fourcc_text(std::uint32_t fourcc) {
 
 Status convert_to_gray(const PixelFormat& format, std::span<const std::uint8_t> bytes,
                        std::size_t stride_bytes, GrayImage& image) {
-  if (format.kind == Kind::jpeg) return decode(bytes, image);
+  if (format.kind == Kind::jpeg) {
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): a JPEG as it comes off the wire
+    return decode_jpeg_into({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, image);
+  }
   WAYMARK_CHECK(format.kind != Kind::luma_first);
   WAYMARK_CHECK(bytes.size() + stride_bytes >=
                 stride_bytes * static_cast<std::size_t>(image.height_px) +

@@ -69,7 +69,8 @@ class Decoder {
   Decoder& operator=(const Decoder&) = delete;
   ~Decoder() { jpeg_destroy_decompress(&info_); }
 
-  Expected<LoadedImage> decode(std::string_view bytes) {
+  /// Reads all but the pixels.
+  Status open(std::string_view bytes) {
     if (!read_header(bytes)) return damaged();
     if (info_.jpeg_color_space == JCS_CMYK || info_.jpeg_color_space == JCS_YCCK) {
       return fail(ErrorKind::bad_data, "CMYK JPEG; save it as grey or RGB");
@@ -78,12 +79,28 @@ class Decoder {
       return fail(ErrorKind::bad_data, "{}×{} px; more than 200 megapixels", info_.image_width,
                   info_.image_height);
     }
-    LoadedImage loaded;
-    loaded.orientation_ignored = orientation() != 1;
-    loaded.image =
-        GrayImage(static_cast<int>(info_.image_width), static_cast<int>(info_.image_height));
-    if (!read_pixels(loaded.image) || errors_.damaged) return damaged();
-    return loaded;
+    return {};
+  }
+  [[nodiscard]] int width_px() const { return static_cast<int>(info_.image_width); }
+  [[nodiscard]] int height_px() const { return static_cast<int>(info_.image_height); }
+
+  /// Of an opened JPEG, whose size the image has.
+  Status read_into(GrayImage& image) {
+    if (!read_pixels(image) || errors_.damaged) return damaged();
+    return {};
+  }
+
+  /// As Exif says; 1 is upright.
+  [[nodiscard]] int orientation() const {
+    for (auto marker = info_.marker_list; marker != nullptr; marker = marker->next) {
+      const std::span<const std::uint8_t> data(marker->data, marker->data_length);
+      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): text within bytes
+      const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
+      if (marker->marker == kExifMarker && text.starts_with(kExifPrefix)) {
+        return exif_orientation(data.subspan(kExifPrefix.size()));
+      }
+    }
+    return 1;
   }
 
  private:
@@ -110,18 +127,6 @@ class Decoder {
     }
     jpeg_finish_decompress(&info_);
     return true;
-  }
-
-  [[nodiscard]] int orientation() const {
-    for (auto marker = info_.marker_list; marker != nullptr; marker = marker->next) {
-      const std::span<const std::uint8_t> data(marker->data, marker->data_length);
-      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): text within bytes
-      const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
-      if (marker->marker == kExifMarker && text.starts_with(kExifPrefix)) {
-        return exif_orientation(data.subspan(kExifPrefix.size()));
-      }
-    }
-    return 1;
   }
 
   ErrorManager errors_{};
@@ -184,7 +189,23 @@ bool looks_like_jpeg(std::string_view bytes) { return bytes.starts_with("\xFF\xD
 
 Expected<LoadedImage> decode_jpeg(std::string_view bytes) {
   // On the heap: the structs are large, and longjmp leaves members of an object alone.
-  return std::make_unique<Decoder>()->decode(bytes);
+  const auto decoder = std::make_unique<Decoder>();
+  if (auto opened = decoder->open(bytes); !opened) return tl::make_unexpected(opened.error());
+  LoadedImage loaded;
+  loaded.orientation_ignored = decoder->orientation() != 1;
+  loaded.image = GrayImage(decoder->width_px(), decoder->height_px());
+  if (auto read = decoder->read_into(loaded.image); !read) return tl::make_unexpected(read.error());
+  return loaded;
+}
+
+Status decode_jpeg_into(std::string_view bytes, GrayImage& image) {
+  const auto decoder = std::make_unique<Decoder>();
+  if (auto opened = decoder->open(bytes); !opened) return opened;
+  if (decoder->width_px() != image.width_px || decoder->height_px() != image.height_px) {
+    return fail(ErrorKind::bad_data, "a JPEG of {}×{} px among {}×{}", decoder->width_px(),
+                decoder->height_px(), image.width_px, image.height_px);
+  }
+  return decoder->read_into(image);
 }
 
 Expected<std::string> encode_jpeg(const GrayView& image, int quality) {

@@ -15,6 +15,10 @@ namespace waymark {
 /// some cameras write, are allowed.
 [[nodiscard]] Expected<LoadedImage> decode_jpeg(std::string_view bytes);
 
+/// The same into memory that is there: bad_data also when the JPEG's size is not the image's. After
+/// an error the pixels are whatever.
+[[nodiscard]] Status decode_jpeg_into(std::string_view bytes, GrayImage& image);
+
 /// Grey JPEG; quality 1…100 (checked), sides 1…65500 px (bad_data beyond).
 [[nodiscard]] Expected<std::string> encode_jpeg(const GrayView& image, int quality);
 

@@ -222,8 +222,8 @@ class LibcameraSource final : public FrameSource {
 
   [[nodiscard]] Expected<std::optional<Frame>> next_of_stream(Stamp deadline) {
     for (;;) {
-      for (const std::uint32_t index : frames_.take_returned()) {
-        if (auto given = recycle(*requests_[index]); !given) {
+      while (const auto index = frames_.take_returned()) {
+        if (auto given = recycle(*requests_[*index]); !given) {
           return tl::make_unexpected(given.error());
         }
       }

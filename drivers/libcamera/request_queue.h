@@ -3,10 +3,11 @@
 #include <libcamera/request.h>
 
 #include <condition_variable>
-#include <deque>
 #include <mutex>
+#include <vector>
 
 #include "core/geometry/stamp.h"
+#include "drivers/buffer_lender.h"
 #include "drivers/monotonic_clock.h"
 
 namespace waymark {
@@ -18,6 +19,7 @@ class RequestQueue {
   void begin() {
     const std::lock_guard lock(mutex_);
     completed_.clear();
+    completed_.reserve(BufferLender::kMaxBuffers);
     stopped_ = disconnected_ = false;
   }
   /// From libcamera's thread.
@@ -45,7 +47,7 @@ class RequestQueue {
                         [&] { return stopped_ || disconnected_ || !completed_.empty(); });
     if (disconnected_ || completed_.empty()) return nullptr;
     libcamera::Request* const oldest = completed_.front();
-    completed_.pop_front();
+    completed_.erase(completed_.begin());
     return oldest;
   }
   [[nodiscard]] bool disconnected() const {
@@ -56,7 +58,7 @@ class RequestQueue {
  private:
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<libcamera::Request*> completed_;
+  std::vector<libcamera::Request*> completed_;  ///< oldest first
   bool stopped_ = false;
   bool disconnected_ = false;
 };

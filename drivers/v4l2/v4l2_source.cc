@@ -126,8 +126,8 @@ class V4l2Source final : public FrameSource {
 
   /// What is no longer lent goes back to the driver.
   [[nodiscard]] Status give_returned() {
-    for (const std::uint32_t index : frames_.take_returned()) {
-      if (auto given = stream_->give(index); !given) return given;
+    while (const auto index = frames_.take_returned()) {
+      if (auto given = stream_->give(*index); !given) return given;
     }
     return {};
   }

@@ -14,6 +14,7 @@
 #include "mapbuilder/diagnosis/frame_findings.h"
 #include "mapbuilder/diagnosis/quarantine_findings.h"
 #include "mapbuilder/mapping/trajectory_file.h"
+#include "mapbuilder/output/output_paths.h"
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
 
@@ -102,11 +103,7 @@ Status check_refined_rig_path(const BuildCommandOptions& options) {
 Status write_refined_rigs(const std::filesystem::path& first, const ObservationTable& table,
                           std::ostream& out) {
   for (std::size_t i = 0; i < table.rigs.size(); ++i) {
-    std::filesystem::path path = first;
-    if (i > 0) {
-      path.replace_filename(
-          fmt::format("{}.{}{}", first.stem().string(), i, first.extension().string()));
-    }
+    const std::filesystem::path path = i == 0 ? first : path_beside(first, std::to_string(i));
     if (auto written = write_file_atomically(path, format_camchain(table.rigs[i])); !written) {
       return written;
     }

@@ -138,13 +138,19 @@ class MarkerJudge {
 
   [[nodiscard]] std::optional<DisplacedMarker> displaced(
       int marker, const std::vector<PlaceCluster>& places) const {
-    if (places.size() < 2) return std::nullopt;
     DisplacedMarker displaced;
     displaced.marker = marker;
-    displaced.places = places;
-    displaced.history = history_of(evidence_, places[0], places[1], options_.history);
-    if (displaced.history.story == PlaceStory::none) return std::nullopt;
-    if (places.size() == 2 && displaced.history.story != PlaceStory::twin &&
+    for (const PlaceCluster& place : places) {
+      if (!displaced.places.empty()) {
+        const PlaceHistory history =
+            history_of(evidence_, displaced.places.front(), place, options_.history);
+        if (history.story == PlaceStory::none) continue;
+        if (displaced.places.size() == 1) displaced.history = history;
+      }
+      displaced.places.push_back(place);
+    }
+    if (displaced.places.size() < 2) return std::nullopt;
+    if (displaced.places.size() == 2 && displaced.history.story != PlaceStory::twin &&
         displaced.history.second_is_later) {
       displaced.kept = *displaced.history.second_is_later ? 1 : 0;
     }

@@ -67,9 +67,11 @@ class FindingWriter {
           "{} views place it at one spot, {} at another; in {} frame sets it would have been seen "
           "where it no longer, or not yet, was. {}",
           a.views.size(), b.views.size(), displaced.history.empty_looks,
-          displaced.kept ? "The map keeps the later place."
-                         : "The captures' clocks don't tell which place is the later one; it is "
-                           "kept out of the map.");
+          displaced.kept                ? "The map keeps the later place."
+          : displaced.places.size() > 2 ? "It was seen at further places as well; it is kept out "
+                                          "of the map."
+                                        : "The captures' clocks don't tell which place is the "
+                                          "later one; it is kept out of the map.");
       finding.remedy =
           displaced.kept
               ? "Nothing, if it stays there; waypoints that hang on its old place are stale."

@@ -22,7 +22,8 @@ bool take_survey(JointBuild& build, AdjustmentScope& scope) {
     const SurveyReach reach = reach_of(survey, build.table(), poses);
     tells_scale = tells_scale || reach.scale;
     if (reach.frame) {
-      part->move_world(*facility_from_world(survey, build.table(), poses), build.state());
+      move_poses(part->component(), *facility_from_world(survey, build.table(), poses),
+                 build.state());
     }
     for (const int marker : part->component().markers) {
       world_of_marker[static_cast<std::size_t>(marker)] = reach.frame ? kFacilityWorld : world;

@@ -113,17 +113,4 @@ double ComponentGrowth::adapt_noise(ObservationTable& table, const MapState& sta
   return std::abs(noise.model_sigma_px / before - 1.0);
 }
 
-void ComponentGrowth::move_world(const Rigid3& new_from_old, MapState& state) const {
-  for (const int marker : component_.markers) {
-    auto& pose = state.world_from_marker[static_cast<std::size_t>(marker)];
-    if (pose) pose = new_from_old * *pose;
-  }
-  for (const int frame_set : component_.frame_sets) {
-    auto& rig = state.rigs[static_cast<std::size_t>(frame_set)];
-    if (!rig) continue;
-    rig->best.pose = new_from_old * rig->best.pose;
-    if (rig->runner_up) rig->runner_up->pose = new_from_old * rig->runner_up->pose;
-  }
-}
-
 }  // namespace waymark

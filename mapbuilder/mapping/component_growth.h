@@ -29,9 +29,6 @@ class ComponentGrowth {
   double adapt_noise(ObservationTable& table, const MapState& state, NoiseModel& noise) const;
   double adapt_noise(const MapState& state) { return adapt_noise(table_, state, noise_); }
 
-  /// Gives the component another world.
-  void move_world(const Rigid3& new_from_old, MapState& state) const;
-
   [[nodiscard]] const Component& component() const { return component_; }
   [[nodiscard]] const std::vector<std::size_t>& observations() const { return observations_; }
   [[nodiscard]] int anchor() const { return anchor_; }

@@ -12,6 +12,7 @@
 #include "core/estimate/ippe.h"
 #include "mapbuilder/mapping/block_cholesky.h"
 #include "mapbuilder/mapping/direction_hold.h"
+#include "mapbuilder/mapping/edge_bias.h"
 #include "mapbuilder/mapping/survey_factors.h"
 
 namespace waymark {
@@ -202,6 +203,7 @@ std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope
                       table.sizes_m[m] / table.stated_sizes_m[m]);
     }
     for (const auto& [size_class, factor] : already) {
+      if (problem.layout().size[static_cast<std::size_t>(size_class)] < 0) continue;
       factors.push_back(
           size_prior(problem, static_cast<std::size_t>(size_class), factor, scope.size_sigma));
     }
@@ -212,6 +214,7 @@ std::vector<std::unique_ptr<KeptFactor>> factors_of(const AdjustmentScope& scope
   }
   if (scope.free.edge_bias) {
     for (std::size_t c = 0; c < problem.start().cameras.size(); ++c) {
+      if (problem.layout().edge_bias[c] < 0) continue;
       factors.push_back(
           edge_bias_prior(problem, c, table.edge_bias_px[c], scope.edge_bias_sigma_px));
     }

@@ -4,30 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <map>
 
-#include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "core/estimate/corner_residual.h"
 
 namespace waymark {
-
-std::array<Eigen::Vector2d, 4> outward_of(const ImageCorners& corners) {
-  std::array<Eigen::Vector2d, 4> normals;  // of the edge from corner i to i + 1
-  const Eigen::Vector2d centre = (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d along = (corners[(i + 1) % 4] - corners[i]).normalized();
-    normals[i] = Eigen::Vector2d(along.y(), -along.x());
-    if (normals[i].dot(corners[i] - centre) < 0) normals[i] = -normals[i];
-  }
-  std::array<Eigen::Vector2d, 4> outward;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d& a = normals[(i + 3) % 4];
-    const Eigen::Vector2d& b = normals[i];
-    outward[i] = (a + b) / std::max(0.1, 1.0 + a.dot(b));
-  }
-  return outward;
-}
 
 namespace {
 
@@ -35,16 +16,6 @@ namespace {
 constexpr std::size_t kSlices = 8;
 
 using Jacobian86 = Eigen::Matrix<double, 8, 6>;
-
-/// A camera stated without distortion may turn out to have some: radtan with zeros is the same.
-CameraModel with_lens(const CameraModel& model) {
-  CameraParameters parameters = model.parameters();
-  if (parameters.distortion != Distortion::none) return model;
-  parameters.distortion = Distortion::radtan;
-  const auto bent = CameraModel::create(parameters);
-  WAYMARK_CHECK(bent);  // zero coefficients bend nothing
-  return *bent;
-}
 
 }  // namespace
 
@@ -67,106 +38,6 @@ JointProblem::JointProblem(const ObservationTable& table, std::span<const std::s
     : free_(free), loss_(loss), threads_(threads) {
   number_unknowns(table, observations, state, held);
   cut_into_slices();
-}
-
-void JointProblem::number_unknowns(const ObservationTable& table,
-                                   std::span<const std::size_t> observations, const MapState& state,
-                                   const HeldPoses& held) {
-  // Free markers by index, held ones, frame sets by index: the canonical order.
-  const auto is_held = [&](int marker) {
-    return !held.markers.empty() && held.markers[static_cast<std::size_t>(marker)] != 0;
-  };
-  std::map<std::pair<bool, int>, int> marker_slot;  // (held, index)
-  std::map<double, int> size_class;
-  for (const double size_m : table.stated_sizes_m) size_class.emplace(size_m, 0);
-  for (auto& [size_m, index] : size_class) {
-    index = static_cast<int>(start_.size_factor.size());
-    start_.size_factor.push_back(1.0);
-  }
-  for (const double size_m : table.stated_sizes_m) {
-    size_class_of_marker_.push_back(size_class.at(size_m));
-  }
-  for (const std::size_t index : observations) {
-    const int marker = table.observations[index].marker;
-    marker_slot.emplace(std::pair{is_held(marker), marker}, 0);
-  }
-  for (auto& [key, slot] : marker_slot) {
-    const auto [held_marker, marker] = key;
-    slot = static_cast<int>(markers_.size());
-    markers_.push_back(marker);
-    if (!held_marker) layout_.markers = layout_.blocks = slot + 1;
-    start_.world_from_marker.push_back(*state.world_from_marker[static_cast<std::size_t>(marker)]);
-  }
-  std::vector<std::size_t> camera_offset;
-  for (const Rig& rig : table.rigs) {
-    camera_offset.push_back(start_.cameras.size());
-    start_.cameras.insert(start_.cameras.end(), rig.cameras.begin(), rig.cameras.end());
-  }
-  if (free_.intrinsics) {
-    for (RigCamera& camera : start_.cameras) camera.model = with_lens(camera.model);
-  }
-  start_.edge_bias_px.assign(start_.cameras.size(), 0.0);
-
-  const auto number = [&](bool is_free) { return is_free ? layout_.blocks++ : -1; };
-  for (std::size_t r = 0; r < table.rigs.size(); ++r) {
-    for (std::size_t c = 0; c < table.rigs[r].cameras.size(); ++c) {
-      layout_.extrinsics.push_back(number(free_.extrinsics && c > 0));
-      layout_.focal.push_back(number(free_.intrinsics));
-      layout_.lens.push_back(
-          number(free_.intrinsics &&
-                 table.rigs[r].cameras[c].model.parameters().distortion != Distortion::none));
-      layout_.edge_bias.push_back(number(free_.edge_bias));
-    }
-  }
-  for (std::size_t k = 0; k < start_.size_factor.size(); ++k) {
-    layout_.size.push_back(number(free_.sizes));
-  }
-
-  std::vector<std::size_t> sorted(observations.begin(), observations.end());
-  std::sort(sorted.begin(), sorted.end(), [&](std::size_t a, std::size_t b) {
-    const int set_a = table.observations[a].frame_set;
-    const int set_b = table.observations[b].frame_set;
-    return set_a != set_b ? set_a < set_b : a < b;
-  });
-  for (const std::size_t index : sorted) {
-    const TableObservation& o = table.observations[index];
-    if (sets_.empty() || frame_set_indices_.back() != o.frame_set) {
-      const auto f = static_cast<std::size_t>(o.frame_set);
-      FrameSetSlot set;
-      set.first = observations_.size();
-      set.camera_offset = camera_offset[static_cast<std::size_t>(table.frame_sets[f].rig)];
-      set.fixed = std::find(held.frame_sets.begin(), held.frame_sets.end(), o.frame_set) !=
-                  held.frame_sets.end();
-      sets_.push_back(set);
-      frame_set_indices_.push_back(o.frame_set);
-      start_.world_from_rig.push_back(state.rigs[f]->best.pose);
-    }
-    FrameSetSlot& set = sets_.back();
-    ++set.count;
-    ObservationSlot slot;
-    slot.observation = &o;
-    slot.marker = marker_slot.at({is_held(o.marker), o.marker});
-    slot.block = slot.marker < layout_.markers ? slot.marker : -1;
-    slot.size_class = size_class_of(o.marker);
-    slot.camera = static_cast<int>(set.camera_offset) + o.camera;
-    if (free_.edge_bias) slot.outward = outward_of(o.corners_px);
-    observations_.push_back(slot);
-    const auto camera = static_cast<std::size_t>(slot.camera);
-    for (const int block :
-         {slot.block, layout_.extrinsics[camera], layout_.focal[camera], layout_.lens[camera],
-          layout_.edge_bias[camera], layout_.size[static_cast<std::size_t>(slot.size_class)]}) {
-      if (block >= 0) set.kept.push_back(block);
-    }
-  }
-  std::size_t kept = 0;
-  for (FrameSetSlot& set : sets_) {
-    std::sort(set.kept.begin(), set.kept.end());
-    set.kept.erase(std::unique(set.kept.begin(), set.kept.end()), set.kept.end());
-    set.first_kept = kept;
-    kept += set.kept.size();
-  }
-  rigs_.resize(sets_.size());
-  follow_.resize(kept);
 }
 
 void JointProblem::cut_into_slices() {
@@ -413,10 +284,9 @@ ReducedSystem JointProblem::reduce(const JointUnknowns& at, double damping) {
 }
 
 std::optional<int> JointProblem::free_marker_slot(int marker) const {
-  const auto end = markers_.begin() + layout_.markers;
-  const auto at = std::lower_bound(markers_.begin(), end, marker);
-  if (at == end || *at != marker) return std::nullopt;
-  return static_cast<int>(at - markers_.begin());
+  const int slot = slot_of_marker_[static_cast<std::size_t>(marker)];
+  if (slot < 0 || slot >= layout_.markers) return std::nullopt;
+  return slot;
 }
 
 JointUnknowns JointProblem::moved(const JointUnknowns& from, const Eigen::VectorXd& kept_step,

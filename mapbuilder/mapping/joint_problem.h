@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <span>
@@ -10,9 +11,6 @@
 #include "mapbuilder/mapping/map_state.h"
 
 namespace waymark {
-
-/// How each corner moves when all four edges move outward by one pixel.
-[[nodiscard]] std::array<Eigen::Vector2d, 4> outward_of(const ImageCorners& corners);
 
 /// What may move beside the poses of markers and rigs.
 struct FreeCalibration {
@@ -28,6 +26,13 @@ struct FreeCalibration {
 struct HeldPoses {
   std::vector<int> frame_sets;  ///< table indices
   std::vector<char> markers;    ///< per marker of the table, ≠ 0: held; empty: none
+
+  [[nodiscard]] bool holds_marker(int marker) const {
+    return !markers.empty() && markers[static_cast<std::size_t>(marker)] != 0;
+  }
+  [[nodiscard]] bool holds_frame_set(int frame_set) const {
+    return std::find(frame_sets.begin(), frame_sets.end(), frame_set) != frame_sets.end();
+  }
 };
 
 /// Values of all unknowns. World frame: the map state's.
@@ -92,7 +97,6 @@ class JointProblem {
   struct FrameSetSlot {
     std::size_t first = 0;  ///< in observations_
     std::size_t count = 0;
-    std::size_t camera_offset = 0;
     bool fixed = false;
     std::size_t first_kept = 0;  ///< in eliminated_
     std::vector<int> kept;       ///< kept blocks it touches, rising
@@ -122,6 +126,16 @@ class JointProblem {
 
   void number_unknowns(const ObservationTable& table, std::span<const std::size_t> observations,
                        const MapState& state, const HeldPoses& held);
+  void number_markers(const ObservationTable& table, std::span<const std::size_t> observations,
+                      const MapState& state, const HeldPoses& held);
+  void number_calibration(const ObservationTable& table, std::span<const std::size_t> observations);
+  void number_frame_sets(const ObservationTable& table, std::span<const std::size_t> observations,
+                         const MapState& state, const HeldPoses& held);
+  [[nodiscard]] std::size_t camera_slot(const ObservationTable& table,
+                                        const TableObservation& o) const;
+  [[nodiscard]] ObservationSlot slot_of(const ObservationTable& table,
+                                        const TableObservation& o) const;
+  [[nodiscard]] std::vector<int> kept_blocks_of(const ObservationSlot& slot) const;
   void cut_into_slices();
   [[nodiscard]] double observation_cost(const JointUnknowns& at, std::size_t set_slot,
                                         const ObservationSlot& observation) const;
@@ -134,8 +148,10 @@ class JointProblem {
   ObservationLoss loss_;
   int threads_;
   std::vector<int> markers_;               ///< per slot, table index, rising
+  std::vector<int> slot_of_marker_;        ///< per marker of the table; −1: takes no part
   std::vector<int> size_class_of_marker_;  ///< per marker of the table
-  std::vector<int> frame_set_indices_;     ///< per slot, table index, rising
+  std::vector<std::size_t> first_camera_of_rig_;
+  std::vector<int> frame_set_indices_;  ///< per slot, table index, rising
   std::vector<FrameSetSlot> sets_;
   std::vector<ObservationSlot> observations_;
   KeptLayout layout_;

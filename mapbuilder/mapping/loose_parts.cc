@@ -1,132 +1,14 @@
 #include "mapbuilder/mapping/loose_parts.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <set>
 
 #include "core/marker/marker_geometry.h"
+#include "mapbuilder/mapping/accepted_graph.h"
 #include "mapbuilder/mapping/build_snapshot.h"
 
 namespace waymark {
 namespace {
-
-/// Markers and frame sets as vertices of one graph, the accepted observations between posed ones as
-/// its edges; markers first.
-class AcceptedGraph {
- public:
-  AcceptedGraph(const ObservationTable& table, const std::vector<std::size_t>& observations,
-                const MapState& state)
-      : markers_(table.markers.size()), neighbours_(markers_ + table.frame_sets.size()) {
-    std::set<std::size_t> posed;
-    for (const std::size_t index : observations) {
-      const TableObservation& o = table.observations[index];
-      if (!state.posed(o)) continue;
-      posed.insert({vertex_of_marker(o.marker), vertex_of_frame_set(o.frame_set)});
-      if (state.accepted[index] == 0) continue;
-      neighbours_[vertex_of_marker(o.marker)].push_back(vertex_of_frame_set(o.frame_set));
-      neighbours_[vertex_of_frame_set(o.frame_set)].push_back(vertex_of_marker(o.marker));
-    }
-    posed_.assign(posed.begin(), posed.end());
-  }
-
-  [[nodiscard]] std::size_t vertex_of_marker(int marker) const {
-    return static_cast<std::size_t>(marker);
-  }
-  [[nodiscard]] std::size_t vertex_of_frame_set(int frame_set) const {
-    return markers_ + static_cast<std::size_t>(frame_set);
-  }
-  [[nodiscard]] bool is_marker(std::size_t vertex) const { return vertex < markers_; }
-  [[nodiscard]] std::size_t markers() const { return markers_; }
-  [[nodiscard]] std::size_t size() const { return neighbours_.size(); }
-  [[nodiscard]] const std::vector<std::size_t>& posed() const { return posed_; }
-  [[nodiscard]] const std::vector<std::size_t>& neighbours(std::size_t vertex) const {
-    return neighbours_[vertex];
-  }
-
- private:
-  std::size_t markers_;
-  std::vector<std::vector<std::size_t>> neighbours_;
-  std::vector<std::size_t> posed_;
-};
-
-/// Vertices that a depth-first walk reached between two moments: a subtree.
-struct Span {
-  std::size_t first = 0;
-  std::size_t last = 0;  ///< inclusive
-  int hinge = -1;
-};
-
-/// A depth-first walk from the anchor, then from what it does not reach. Whatever one marker alone
-/// connects with the anchor's side is a subtree of the walk (Tarjan's articulation points).
-class DepthFirstWalk {
- public:
-  DepthFirstWalk(const AcceptedGraph& graph, std::size_t anchor)
-      : graph_(graph), entered_(graph.size(), kNever), lowest_(graph.size(), kNever) {
-    walk(anchor);
-    for (const std::size_t vertex : graph.posed()) {
-      if (entered_[vertex] != kNever) continue;
-      const std::size_t first = order_.size();
-      walk(vertex);
-      spans_.push_back({first, order_.size() - 1, -1});
-    }
-  }
-
-  [[nodiscard]] const std::vector<Span>& spans() const { return spans_; }
-  [[nodiscard]] bool holds(const Span& span, std::size_t vertex) const {
-    return span.first <= entered_[vertex] && entered_[vertex] <= span.last;
-  }
-  [[nodiscard]] std::size_t vertex_at(std::size_t moment) const { return order_[moment]; }
-
- private:
-  static constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
-
-  struct Step {
-    std::size_t vertex;
-    std::size_t parent;
-    std::size_t next = 0;  ///< neighbour to look at
-  };
-
-  void enter(std::size_t vertex) {
-    entered_[vertex] = lowest_[vertex] = order_.size();
-    order_.push_back(vertex);
-  }
-
-  void walk(std::size_t root) {
-    std::vector<Step> path{{root, kNever}};
-    enter(root);
-    while (!path.empty()) {
-      Step& step = path.back();
-      const auto& neighbours = graph_.neighbours(step.vertex);
-      if (step.next < neighbours.size()) {
-        const std::size_t next = neighbours[step.next++];
-        if (next == step.parent) continue;
-        if (entered_[next] == kNever) {
-          path.push_back({next, step.vertex});
-          enter(next);
-        } else {
-          lowest_[step.vertex] = std::min(lowest_[step.vertex], entered_[next]);
-        }
-        continue;
-      }
-      const Step done = step;
-      path.pop_back();
-      if (path.empty()) break;
-      lowest_[done.parent] = std::min(lowest_[done.parent], lowest_[done.vertex]);
-      // A root that is a marker has nothing above it to hang on.
-      if (graph_.is_marker(done.parent) && done.parent != root &&
-          lowest_[done.vertex] >= entered_[done.parent]) {
-        spans_.push_back({entered_[done.vertex], order_.size() - 1, static_cast<int>(done.parent)});
-      }
-    }
-  }
-
-  const AcceptedGraph& graph_;
-  std::vector<std::size_t> entered_;  ///< moment, per vertex
-  std::vector<std::size_t> lowest_;   ///< earliest moment that the subtree is tied to
-  std::vector<std::size_t> order_;    ///< vertex, per moment
-  std::vector<Span> spans_;
-};
 
 /// A rejected observation between a part and the rest.
 struct Link {
@@ -203,17 +85,9 @@ bool agree(const ObservationTable& table, const MapState& state, const std::vect
   return loose.markers >= kLeastMarkers && loose.links.size() >= kLeastLinks;
 }
 
-/// The vertices of a span. Its hinge goes along when more of its accepted views are in there.
-Component part_of(const AcceptedGraph& graph, const DepthFirstWalk& walk, const Span& span) {
-  Component part;
-  for (std::size_t moment = span.first; moment <= span.last; ++moment) {
-    const std::size_t vertex = walk.vertex_at(moment);
-    if (graph.is_marker(vertex)) {
-      part.markers.push_back(static_cast<int>(vertex));
-    } else {
-      part.frame_sets.push_back(static_cast<int>(vertex - graph.markers()));
-    }
-  }
+/// What a span holds. Its hinge goes along when more of its accepted views are in there.
+Component part_of(const AcceptedGraph& graph, const DepthFirstWalk& walk, const HingedSpan& span) {
+  Component part = walk.vertices_of(span);
   if (span.hinge >= 0) {
     const auto& views = graph.neighbours(graph.vertex_of_marker(span.hinge));
     const auto inside = std::count_if(views.begin(), views.end(), [&](std::size_t frame_set) {
@@ -238,15 +112,7 @@ std::size_t contradicting_markers(const JointBuild& build) {
 
 void rehang(const LoosePart& loose, JointBuild& build) {
   MapState& state = build.state();
-  for (const int marker : loose.part.markers) {
-    auto& pose = state.world_from_marker[static_cast<std::size_t>(marker)];
-    pose = loose.new_from_old * *pose;
-  }
-  for (const int frame_set : loose.part.frame_sets) {
-    auto& rig = state.rigs[static_cast<std::size_t>(frame_set)];
-    rig->best.pose = loose.new_from_old * rig->best.pose;
-    if (rig->runner_up) rig->runner_up->pose = loose.new_from_old * rig->runner_up->pose;
-  }
+  move_poses(loose.part, loose.new_from_old, state);
   for (const std::size_t index : loose.links) state.accepted[index] = 1;
   if (loose.hinge < 0) return;
   const std::set<int> moved(loose.part.frame_sets.begin(), loose.part.frame_sets.end());
@@ -274,7 +140,7 @@ std::vector<LoosePart> find_loose_parts(const ObservationTable& table,
   if (rejected.empty()) return parts;
   const AcceptedGraph graph(table, observations, state);
   const DepthFirstWalk walk(graph, graph.vertex_of_frame_set(anchor));
-  for (const Span& span : walk.spans()) {
+  for (const HingedSpan& span : walk.spans()) {
     std::vector<Link> links;
     for (const std::size_t index : rejected) {
       const TableObservation& o = table.observations[index];
@@ -296,23 +162,30 @@ std::vector<LoosePart> find_loose_parts(const ObservationTable& table,
 }
 
 void rehang_loose_parts(JointBuild& build) {
-  constexpr int kMostAttempts = 12;
+  constexpr int kMostFailures = 12;
+  // A place that is right explains more without calling more of it noise.
+  constexpr double kMostNoiseGrowth = 1.1;
+  const ComponentGrowth& growth = *build.parts().front();
   std::set<std::vector<int>> in_vain;  // by their frame sets
-  for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
-    std::vector<LoosePart> parts = find_loose_parts(build.table(), build.observations(),
-                                                    build.parts().front()->anchor(), build.state());
+  for (int failures = 0; failures < kMostFailures;) {
+    std::vector<LoosePart> parts =
+        find_loose_parts(build.table(), build.observations(), growth.anchor(), build.state());
     std::erase_if(parts,
                   [&](const LoosePart& loose) { return in_vain.contains(loose.part.frame_sets); });
     if (parts.empty()) break;
-    const std::size_t before = contradicting_markers(build);
+    const std::size_t contradicting = contradicting_markers(build);
+    const double sigma_px = growth.noise().model_sigma_px;
     BuildSnapshot snapshot(build);
     rehang(parts.front(), build);
     build.settle();
-    if (contradicting_markers(build) < before) {
+    // Each success lowers a count that can't fall for ever.
+    if (contradicting_markers(build) < contradicting &&
+        growth.noise().model_sigma_px <= kMostNoiseGrowth * sigma_px) {
       in_vain.clear();
     } else {
       snapshot.restore();
       in_vain.insert(parts.front().part.frame_sets);
+      ++failures;
     }
   }
 }

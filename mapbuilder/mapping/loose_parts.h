@@ -24,8 +24,9 @@ struct LoosePart {
                                                       const std::vector<std::size_t>& observations,
                                                       int anchor, const MapState& state);
 
-/// Hangs loose parts of a settled build where most markers agree and settles again, as long as
-/// fewer markers contradict the map afterwards; else all is as before.
+/// Hangs loose parts of a settled build of one component where most markers agree and settles
+/// again, as long as fewer markers contradict the map afterwards and its noise has not grown; else
+/// all is as before.
 void rehang_loose_parts(JointBuild& build);
 
 }  // namespace waymark

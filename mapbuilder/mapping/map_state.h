@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/estimate/rig_pose_solver.h"
+#include "mapbuilder/mapping/covisibility.h"
 #include "mapbuilder/mapping/observation_table.h"
 
 namespace waymark {
@@ -26,6 +27,20 @@ struct MapState {
            rigs[static_cast<std::size_t>(o.frame_set)].has_value();
   }
 };
+
+/// Gives what is posed of a component another world.
+inline void move_poses(const Component& component, const Rigid3& new_from_old, MapState& state) {
+  for (const int marker : component.markers) {
+    auto& pose = state.world_from_marker[static_cast<std::size_t>(marker)];
+    if (pose) pose = new_from_old * *pose;
+  }
+  for (const int frame_set : component.frame_sets) {
+    auto& rig = state.rigs[static_cast<std::size_t>(frame_set)];
+    if (!rig) continue;
+    rig->best.pose = new_from_old * rig->best.pose;
+    if (rig->runner_up) rig->runner_up->pose = new_from_old * rig->runner_up->pose;
+  }
+}
 
 /// Camera and rig of an observation.
 [[nodiscard]] inline const RigCamera& camera_of(const ObservationTable& table,

@@ -18,6 +18,7 @@ BiasedSystem split(const ReducedSystem& system, const KeptLayout& layout) {
   const BlockPattern& pattern = system.information.pattern;
   for (Eigen::Index c = 0; c < cameras; ++c) {
     const int bias = layout.edge_bias[static_cast<std::size_t>(c)];
+    if (bias < 0) continue;  // a camera that sees nothing
     for (int marker = 0; marker < layout.markers; ++marker) {
       const int block = pattern.find(bias, marker);
       if (block < 0) continue;

@@ -6,35 +6,33 @@
 
 namespace waymark {
 
+/// `out.tum` beside which another file goes: `out.MARK.tum`.
+[[nodiscard]] inline std::filesystem::path path_beside(const std::filesystem::path& path,
+                                                       const std::string& mark) {
+  std::filesystem::path name = path.stem();
+  name += "." + mark;
+  name += path.extension();
+  return path.parent_path() / name;
+}
+
 /// Where sub-map `index`'s file goes: the first to the named file, `out.tum`, the others beside it,
 /// `out.1.tum`, `out.2.tum`…
 [[nodiscard]] inline std::filesystem::path path_of_submap(const std::filesystem::path& path,
                                                           std::size_t index) {
-  if (index == 0) return path;
-  std::filesystem::path name = path.stem();
-  name += "." + std::to_string(index);
-  name += path.extension();
-  return path.parent_path() / name;
+  return index == 0 ? path : path_beside(path, std::to_string(index));
 }
 
 /// Where a capture's own trajectory goes: of the first that was given to the named file, of the
 /// others beside it, `out.capture1.tum`, `out.capture2.tum`…; of sub-map 1 `out.capture1.1.tum`.
 [[nodiscard]] inline std::filesystem::path path_of_capture(const std::filesystem::path& path,
                                                            std::size_t place) {
-  if (place == 0) return path;
-  std::filesystem::path name = path.stem();
-  name += ".capture" + std::to_string(place);
-  name += path.extension();
-  return path.parent_path() / name;
+  return place == 0 ? path : path_beside(path, "capture" + std::to_string(place));
 }
 
 /// Where a camera's own trajectory (--mono) goes: `out.cam0.tum`; of sub-map 1, `out.1.cam0.tum`.
 [[nodiscard]] inline std::filesystem::path path_of_camera(const std::filesystem::path& path,
                                                           const std::string& camera) {
-  std::filesystem::path name = path.stem();
-  name += "." + camera;
-  name += path.extension();
-  return path.parent_path() / name;
+  return path_beside(path, camera);
 }
 
 }  // namespace waymark

@@ -1,13 +1,9 @@
 #include "drivers/buffer_lender.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 namespace waymark {
 namespace {
-
-using testing::ElementsAre;
-using testing::IsEmpty;
 
 TEST(BufferLender, LendsUpToItsLimitAndLeavesWhatComesBack) {
   BufferLender lender;
@@ -18,8 +14,8 @@ TEST(BufferLender, LendsUpToItsLimitAndLeavesWhatComesBack) {
   EXPECT_FALSE(lender.lend(0));
   lender.take_back(*b);
   EXPECT_TRUE(lender.lend(0));
-  EXPECT_THAT(lender.take_returned(), ElementsAre(1U));
-  EXPECT_THAT(lender.take_returned(), IsEmpty());
+  EXPECT_EQ(lender.take_returned(), 1U);
+  EXPECT_EQ(lender.take_returned(), std::nullopt);
 }
 
 TEST(BufferLender, KeepsTheMemoryOfAnEndedStreamUntilItsLastFrameIsBack) {
@@ -36,9 +32,9 @@ TEST(BufferLender, KeepsTheMemoryOfAnEndedStreamUntilItsLastFrameIsBack) {
   EXPECT_FALSE(watched.expired());
   lender.take_back(*b);
   EXPECT_TRUE(watched.expired());
-  EXPECT_THAT(lender.take_returned(), IsEmpty());
+  EXPECT_EQ(lender.take_returned(), std::nullopt);
   lender.take_back(*c);
-  EXPECT_THAT(lender.take_returned(), ElementsAre(0U));
+  EXPECT_EQ(lender.take_returned(), 0U);
 }
 
 TEST(BufferLender, LetsGoOfMemoryAtOnceWhenNothingIsLent) {

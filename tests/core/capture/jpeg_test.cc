@@ -115,6 +115,20 @@ TEST(Jpeg, BytesBetweenTheSegmentsAreAllowed) {
   EXPECT_EQ(loaded->image.pixels, decode_jpeg(plain)->image.pixels);
 }
 
+TEST(Jpeg, DecodesIntoMemoryThatIsThereAndRefusesAnotherSize) {
+  const GrayImage pattern = test_pattern(40, 24);
+  const std::string bytes = *encode_jpeg(pattern.view(), 95);
+  GrayImage image(40, 24);
+  const auto* const memory = image.pixels.data();
+  ASSERT_TRUE(decode_jpeg_into(bytes, image));
+  EXPECT_EQ(image.pixels, decode_jpeg(bytes)->image.pixels);
+  EXPECT_EQ(image.pixels.data(), memory);
+  GrayImage other(24, 40);
+  const Status refused = decode_jpeg_into(bytes, other);
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("40×24 px among 24×40"), std::string::npos);
+}
+
 TEST(Jpeg, HugeSizesAreRefusedBeforeMemoryIsAskedFor) {
   std::string bytes = *encode_jpeg(test_pattern(40, 24).view(), 95);
   const auto frame =

@@ -67,6 +67,27 @@ TEST(Refinement, FindsTrueIntrinsics) {
               5 * std::max(1e-4, calibration.uncertainty.cameras[0].focal));
 }
 
+TEST(Refinement, ACameraThatSeesNothingStaysAsStatedAndHoldsUpNobody) {
+  auto room = noisy_room();
+  const Rigid3 truth = room.rig.cameras[1].rig_from_cam;
+  Vector6d off;
+  off << 0.02, -0.01, 0.005, 0.01, 0.005, -0.008;
+  room.rig.cameras[1].rig_from_cam = truth.plus(off);
+  for (ImageDetections& image : room.images) {
+    if (image.camera == 2) image.detections.clear();
+  }
+  const Rigid3 unseen = room.rig.cameras[2].rig_from_cam;
+  auto table = test::table_of(room);
+  BuildOptions options;
+  options.refine.extrinsics = true;
+  const BuildResult result = build(table, options);
+  ASSERT_TRUE(result.calibration.refined);
+  const Vector6d left = table.rigs[0].cameras[1].rig_from_cam.minus(truth);
+  EXPECT_LT(left.head<3>().norm(), 0.005);
+  EXPECT_EQ(table.rigs[0].cameras[2].rig_from_cam.translation, unseen.translation);
+  EXPECT_EQ(table.rigs[0].cameras[2].rig_from_cam.rotation.coeffs(), unseen.rotation.coeffs());
+}
+
 TEST(Refinement, OfOneCamerasExtrinsicsIsRefusedAndTheMapUnharmed) {
   const auto room = noisy_room(1);
   auto plain_table = test::table_of(room);

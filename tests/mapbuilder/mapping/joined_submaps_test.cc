@@ -38,6 +38,15 @@ BuildResult build(ObservationTable& table, const BuildOptions& options) {
   return build_map(table, options, progress);
 }
 
+/// Three points in each half join them.
+BuildOptions with_three_points_in_each_half(const test::SyntheticRoom& room) {
+  BuildOptions options;
+  for (const int number : {0, 13, 27, 101, 114, 128}) {
+    options.survey.points.push_back(point_on(room, number));
+  }
+  return options;
+}
+
 /// Largest distance of a marker of the sub-map from where it is in the facility frame (m).
 double worst_off_m(const SubMap& map, const test::SyntheticRoom& room) {
   double worst = 0;
@@ -54,11 +63,7 @@ double worst_off_m(const SubMap& map, const test::SyntheticRoom& room) {
 TEST(JoinedSubMaps, ThreePointsInEachHalfMakeOneMapOfThem) {
   const auto room = two_halves();
   auto table = test::table_of(room);
-  BuildOptions options;
-  for (const int number : {0, 13, 27, 101, 114, 128}) {
-    options.survey.points.push_back(point_on(room, number));
-  }
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(table, with_three_points_in_each_half(room));
   ASSERT_EQ(result.submaps.size(), 1U);
   const BuiltSubMap& joined = result.submaps[0];
   EXPECT_EQ(joined.map.frame, FrameKind::facility);
@@ -77,10 +82,7 @@ TEST(JoinedSubMaps, ThreePointsInEachHalfMakeOneMapOfThem) {
 TEST(JoinedSubMaps, ADistanceAcrossThemIsHeldOnceTheyAreJoined) {
   const auto room = two_halves();
   auto table = test::table_of(room);
-  BuildOptions options;
-  for (const int number : {0, 13, 27, 101, 114, 128}) {
-    options.survey.points.push_back(point_on(room, number));
-  }
+  BuildOptions options = with_three_points_in_each_half(room);
   const MarkerPlace from{{Family::tag36h11, 5}, std::nullopt};
   const MarkerPlace to{{Family::tag36h11, 118}, std::nullopt};
   const double true_m =

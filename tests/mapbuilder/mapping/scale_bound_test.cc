@@ -1,5 +1,6 @@
 #include "mapbuilder/mapping/scale_bound.h"
 
+#include "mapbuilder/mapping/edge_bias.h"
 #include "mapbuilder/mapping/map_builder.h"
 #include "tests/mapbuilder/mapping/room_table.h"
 

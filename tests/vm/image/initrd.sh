@@ -4,7 +4,7 @@
 here=$(cd "$(dirname "$0")" && pwd)
 tree=$(mktemp -d)
 trap 'rm -rf "$tree"' EXIT
-mkdir -p "$tree"/{bin,dev,modules,root,overlay}
+mkdir -p "$tree"/{bin,dev,modules,mnt,overlay}
 cp /bin/busybox "$tree/bin/"
 install -m 755 "$here/initrd_init.sh" "$tree/init"
 for module in virtio_pci virtio_blk ext4; do

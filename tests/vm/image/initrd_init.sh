@@ -4,7 +4,7 @@ b=/bin/busybox
 $b mount -t devtmpfs dev /dev
 for module in $($b cat /modules.txt); do $b insmod /modules/$module; done
 until [ -b /dev/vda ]; do $b sleep 0.05; done
-$b mount -t ext4 -o rw,noatime /dev/vda /root
-$b cp -a /overlay/. /root/
-$b mount --move /dev /root/dev
-exec $b switch_root /root /sbin/init
+$b mount -t ext4 -o rw,noatime /dev/vda /mnt
+$b cp -a /overlay/. /mnt/
+$b mount --move /dev /mnt/dev
+exec $b switch_root /mnt /sbin/init

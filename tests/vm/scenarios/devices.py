@@ -126,31 +126,34 @@ def short_frames(world):
     world.wait_for_full_pose()
 
 
+def assert_named_and_left_out(world, order, kind):
+    """What cam0 shows after the order is named so, and poses do without it."""
+    world.hearing.mark()
+    world.cameras[0].order(order)
+    world.hearing.wait_for(kind, "ALERT", lambda m: m["raised"] and m["kind"] == kind and m["subject"] == "cam0")
+    world.hearing.wait_for("poses without it", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
+
+
+def assert_used_again(world, kind):
+    """After "go" the alert ends and cam0 takes part."""
+    world.cameras[0].order("go")
+    world.hearing.wait_for("its end", "ALERT", lambda m: not m["raised"] and m["kind"] == kind)
+    world.wait_for_full_pose()
+
+
 def frozen_sensor(world):
     """A camera that repeats its image is named FROZEN and left out."""
     world.localize()
-    world.hearing.mark()
-    world.cameras[0].order("freeze")
-    world.hearing.wait_for("FROZEN", "ALERT",
-                           lambda m: m["raised"] and m["kind"] == "FROZEN" and m["subject"] == "cam0")
-    world.hearing.wait_for("poses without it", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
-    world.cameras[0].order("go")
-    world.hearing.wait_for("its end", "ALERT", lambda m: not m["raised"] and m["kind"] == "FROZEN")
-    world.wait_for_full_pose()
+    assert_named_and_left_out(world, "freeze", "FROZEN")
+    assert_used_again(world, "FROZEN")
 
 
 def useless_images(world):
     """Nothing but black, white or grey: named DARK, SATURATED, OBSCURED, and left out until there are images again."""
     world.localize()
     for grey, kind in ((0, "DARK"), (255, "SATURATED"), (128, "OBSCURED")):
-        world.hearing.mark()
-        world.cameras[0].order(f"paint {grey}")
-        world.hearing.wait_for(kind, "ALERT",
-                               lambda m, k=kind: m["raised"] and m["kind"] == k and m["subject"] == "cam0")
-        world.hearing.wait_for("poses without it", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
-    world.cameras[0].order("go")
-    world.hearing.wait_for("its end", "ALERT", lambda m: not m["raised"] and m["kind"] == "OBSCURED")
-    world.wait_for_full_pose()
+        assert_named_and_left_out(world, f"paint {grey}", kind)
+    assert_used_again(world, "OBSCURED")
 
 
 def truncated_jpegs(world):

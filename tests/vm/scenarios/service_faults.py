@@ -19,10 +19,12 @@ def good_reload(world):
 
 
 def refused_reload(world):
-    """A damaged map, an absent one, a key that needs a restart: refused whole, and said everywhere."""
+    """A map that is damaged, too new, absent, or a key that needs a restart: refused whole, said everywhere."""
     world.localize()
     before = world.wait_for_full_pose()
     for damage, word in (("head -c 3000 /share/etc/room.map >/etc/locd/room.map", "room.map"),
+                         # The format's version is the ninth byte.
+                         ("printf '\\143' | dd of=/etc/locd/room.map bs=1 seek=8 conv=notrunc 2>&1", "version 99"),
                          ("rm /etc/locd/room.map", "room.map"),
                          ("sed -i 's/^tolerance_us.*/tolerance_us = 1000/' /etc/locd/locd.toml", "[sync]")):
         world.guest.check(damage)

@@ -1,0 +1,93 @@
+// The daemon as systemd sees it: ready, fed, refused, ended.
+#include "tests/locd/daemon_fixture.h"
+
+namespace waymark {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::DaemonTest;
+using test::FakeSystemd;
+using testing::HasSubstr;
+
+TEST_F(DaemonTest, SystemdHearsReadyStatusAndTheWatchdogsFood) {
+  FakeSystemd& systemd = with_systemd();
+  start();
+  EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return systemd.heard().find("READY=1") != std::string::npos;
+  }));
+  ASSERT_TRUE(turn_until([&] { return systemd.heard().find("STATUS=") != std::string::npos; }));
+  ASSERT_TRUE(turn_until([&] { return systemd.heard().find("WATCHDOG=1") != std::string::npos; }));
+  daemon_->reload();
+  EXPECT_THAT(systemd.heard(), HasSubstr("RELOADING=1"));
+}
+
+TEST_F(DaemonTest, AMissingCameraNeverFailsTheStart) {
+  FakeSystemd& systemd = with_systemd();
+  write_config("[service]\nstartup_wait_s = 1\n");
+  start();
+  turn_for(seconds(2));
+  EXPECT_THAT(systemd.heard(), HasSubstr("READY=1"));
+}
+
+TEST_F(DaemonTest, TheStartIsExtendedWhileItWaitsForCameras) {
+  FakeSystemd& systemd = with_systemd();
+  write_config("[service]\nstartup_wait_s = 300\n");
+  start();
+  turn_for(milliseconds(500));
+  EXPECT_THAT(systemd.heard(), HasSubstr("EXTEND_TIMEOUT_USEC=10000000"));
+}
+
+TEST_F(DaemonTest, ACameraThatOnlyAnotherConfigurationMendsRefusesTheStart) {
+  FakeSystemd& systemd = with_systemd();
+  start();
+  cameras_[1]->fail_with("has serial number 1, the rig 2", ErrorKind::config);
+  ASSERT_TRUE(turn_until([&] { return daemon_->refusal().has_value(); }));
+  EXPECT_EQ(daemon_->refusal()->kind, ErrorKind::config);
+  EXPECT_EQ(daemon_->refusal()->message, "cam1: has serial number 1, the rig 2");
+  EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
+}
+
+TEST_F(DaemonTest, OnceReadyAWrongCameraIsAMissingOne) {
+  FakeSystemd& systemd = with_systemd();
+  start();
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return systemd.heard().find("READY=1") != std::string::npos;
+  }));
+  cameras_[1]->fail_with("has serial number 1, the rig 2", ErrorKind::config);
+  ASSERT_TRUE(turn_until([&] {
+    cameras_[0]->give(monotonic_now());
+    return alert("MISSING", true) != nullptr;
+  }));
+  EXPECT_FALSE(daemon_->refusal());
+}
+
+TEST_F(DaemonTest, TheWatchdogStarvesWhenACameraIsStuckInACall) {
+  FakeSystemd& systemd = with_systemd();
+  start();
+  cameras_[0]->get_stuck();
+  turn_for(seconds(1));
+  EXPECT_THAT(systemd.heard(), HasSubstr("WATCHDOG=1"));
+  turn_for(seconds(5));  // the camera's last turn lies behind by so much
+  (void)systemd.heard();
+  turn_for(seconds(1));
+  EXPECT_EQ(systemd.heard().find("WATCHDOG=1"), std::string::npos);
+}
+
+TEST_F(DaemonTest, TheEndDoesNotWaitForAStuckDriver) {
+  start();
+  cameras_[0]->get_stuck();
+  ASSERT_TRUE(turn_until([&] {  // it is in the call
+    cameras_[0]->give(monotonic_now());
+    return cameras_[0]->lent() == 0 && poses_.size() > 2;
+  }));
+  const Stamp before = monotonic_now();
+  EXPECT_FALSE(daemon_->stop(milliseconds(200)));
+  EXPECT_LT(monotonic_now() - before, seconds(1));
+}
+
+}  // namespace
+}  // namespace waymark
