@@ -48,6 +48,6 @@ function(waymark_test name)
   if(ARG_LABELS)  # an empty value would vanish and shift what follows it
     list(APPEND properties LABELS "${ARG_LABELS}")
   endif()
-  gtest_discover_tests(${name} TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
+  gtest_discover_tests(${name} NO_PRETTY_VALUES TEST_PREFIX "${name}/" DISCOVERY_TIMEOUT 60
                        PROPERTIES ${properties})
 endfunction()

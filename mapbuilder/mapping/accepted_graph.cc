@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <set>
 
 namespace waymark {
 namespace {
@@ -14,18 +13,20 @@ constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
 AcceptedGraph::AcceptedGraph(const ObservationTable& table,
                              const std::vector<std::size_t>& observations, const MapState& state)
     : markers_(table.markers.size()), neighbours_(markers_ + table.frame_sets.size()) {
-  std::set<std::size_t> posed;
+  std::vector<char> is_posed(neighbours_.size(), 0);
   for (const std::size_t index : observations) {
     const TableObservation& o = table.observations[index];
     if (!state.posed(o)) continue;
     const std::size_t marker = vertex_of_marker(o.marker);
     const std::size_t frame_set = vertex_of_frame_set(o.frame_set);
-    posed.insert({marker, frame_set});
+    is_posed[marker] = is_posed[frame_set] = 1;
     if (state.accepted[index] == 0) continue;
     neighbours_[marker].push_back(frame_set);
     neighbours_[frame_set].push_back(marker);
   }
-  posed_.assign(posed.begin(), posed.end());
+  for (std::size_t vertex = 0; vertex < is_posed.size(); ++vertex) {
+    if (is_posed[vertex] != 0) posed_.push_back(vertex);
+  }
 }
 
 DepthFirstWalk::DepthFirstWalk(const AcceptedGraph& graph, std::size_t anchor)

@@ -13,6 +13,7 @@
 #include "mapbuilder/mapping/block_cholesky.h"
 #include "mapbuilder/mapping/direction_hold.h"
 #include "mapbuilder/mapping/edge_bias.h"
+#include "mapbuilder/mapping/free_pieces.h"
 #include "mapbuilder/mapping/survey_factors.h"
 
 namespace waymark {
@@ -230,7 +231,8 @@ AdjustmentSummary adjust_jointly(ObservationTable& table, std::span<const std::s
   summary.observations = used.size();
   if (used.empty()) return summary;
   const AdjustmentScope& scope = options.scope;
-  JointProblem problem(table, used, state, held, scope.free, options.loss, options.threads);
+  const HeldPoses all_held = hold_free_pieces(table, used, scope, state, held);
+  JointProblem problem(table, used, state, all_held, scope.free, options.loss, options.threads);
   const auto factors = factors_of(scope, table, problem);
   for (const auto& factor : factors) problem.add(*factor);
   const JointUnknowns optimum = minimize(problem, options, summary);

@@ -72,6 +72,37 @@ TEST(JointAdjustment, HeldMarkersStayAndTheRestFindsItsPlaceAmongThem) {
   }
 }
 
+TEST(JointAdjustment, APieceThatNothingTiesLeavesTheCalibrationDetermined) {
+  test::RoomOptions options;
+  options.noise_px = 0.2;
+  auto room = test::make_room(options);
+  // The second half of the walk sees other numbers on the walls: two pieces.
+  for (ImageDetections& image : room.images) {
+    if (image.stamp < test::room_stamp(30)) continue;
+    for (Detection& d : image.detections) d.marker.number += 100;
+  }
+  auto table = test::table_of(room);
+  MapState state(table);
+  for (std::size_t m = 0; m < table.markers.size(); ++m) {
+    state.world_from_marker[m] =
+        room.world_from_marker[static_cast<std::size_t>(table.markers[m].number % 100)];
+  }
+  for (std::size_t f = 0; f < table.frame_sets.size(); ++f) {
+    state.rigs[f] = RigPoseEstimate{};
+    state.rigs[f]->best.pose = room.world_from_rig[f];
+  }
+  AdjustmentOptions adjustment{{Loss::squared, 6.0}, 50, 1e-10, 1e-6};
+  adjustment.scope.free.extrinsics = true;
+  const auto summary =
+      adjust_jointly(table, test::all_observations(table), {{0}, {}}, adjustment, state);
+  EXPECT_TRUE(summary.converged);
+  ASSERT_TRUE(summary.uncertainty);
+  for (const std::size_t camera : {1U, 2U}) {
+    EXPECT_GT(summary.uncertainty->cameras[camera].position_m, 1e-5);
+    EXPECT_LT(summary.uncertainty->cameras[camera].position_m, 0.002);
+  }
+}
+
 TEST(JointAdjustment, TheSameTwiceIsTheSameToTheLastBit) {
   test::RoomOptions options;
   options.noise_px = 0.3;
