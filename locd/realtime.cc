@@ -26,7 +26,7 @@ Status make_realtime(int priority) {
   if (failed == 0) return {};
   return fail(ErrorKind::config,
               "[service] realtime = true: SCHED_FIFO at {}: {}; install "
-              "/usr/share/doc/waymark/examples/realtime.conf as a drop-in of locd.service, or set "
+              "/usr/share/waymark-locd/realtime.conf as a drop-in of locd.service, or set "
               "realtime = false",
               priority, std::error_code(failed, std::generic_category()).message());
 }

@@ -28,7 +28,7 @@ void give_up_rights() {
 
 TEST(RealtimeDeathTest, WhatTheSystemDoesNotPermitIsSaidWithWhatToInstall) {
   EXPECT_EXIT((give_up_rights(), end_with(check_realtime())), testing::ExitedWithCode(78),
-              "realtime = true.*not permitted.*realtime.conf");
+              "realtime = true.*not permitted.*/usr/share/waymark-locd/realtime.conf");
 }
 
 TEST(RealtimeDeathTest, MemoryThatMayNotBeLockedIsSaidWithWhatToSet) {
