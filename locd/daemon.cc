@@ -336,7 +336,8 @@ void Daemon::Parts::feed_watchdog(Stamp now) {
 void Daemon::reload() {
   Parts& p = *parts_;
   const Stamp now = monotonic_now();
-  p.notifier.reloading(now);
+  // Before ready only the start itself ends in READY=1, which would have to end a reload as well.
+  if (p.ready) p.notifier.reloading(now);
   auto next = load_setup(p.options.config);
   const Status swapped = next ? p.swap(std::move(*next)) : tl::make_unexpected(next.error());
   p.reload_refused = swapped ? "" : swapped.error().message;
@@ -344,7 +345,7 @@ void Daemon::reload() {
                                    : "reload refused, all stays as it was: " + p.reload_refused;
   p.telemetry.publish_alert("RELOAD", p.options.config.string(), text, !swapped, now);
   p.log.note(text);
-  p.notifier.ready(text);
+  p.ready ? p.notifier.ready(text) : p.notifier.status(text);
 }
 
 Status Daemon::Parts::swap(Setup next) {

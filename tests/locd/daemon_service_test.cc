@@ -40,6 +40,18 @@ TEST_F(DaemonTest, TheStartIsExtendedWhileItWaitsForCameras) {
   EXPECT_THAT(systemd.heard(), HasSubstr("EXTEND_TIMEOUT_USEC=10000000"));
 }
 
+TEST_F(DaemonTest, AReloadBeforeReadyDoesNotMakeItReady) {
+  FakeSystemd& systemd = with_systemd();
+  write_config("[service]\nstartup_wait_s = 300\n");
+  start();
+  daemon_->reload();
+  turn_for(seconds(2));
+  const std::string heard = systemd.heard();
+  EXPECT_THAT(heard, HasSubstr("STATUS=reloaded"));
+  EXPECT_EQ(heard.find("RELOADING=1"), std::string::npos);  // only READY=1 would end that
+  EXPECT_EQ(heard.find("READY=1"), std::string::npos);
+}
+
 TEST_F(DaemonTest, ACameraThatOnlyAnotherConfigurationMendsRefusesTheStart) {
   FakeSystemd& systemd = with_systemd();
   start();
