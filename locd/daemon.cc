@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <ctime>
 #include <future>
 
 #include "core/camera/kalibr.h"
@@ -16,6 +14,7 @@
 #include "locd/localization_thread.h"
 #include "locd/realtime.h"
 #include "locd/recorder.h"
+#include "locd/recording_archive.h"
 #include "locd/rig_capture.h"
 #include "locd/service_log.h"
 #include "locd/service_notifier.h"
@@ -58,21 +57,6 @@ SessionFacts session_of(const Setup& setup, const MapInUse& map) {
 
 std::size_t marker_count(const Setup& setup) {
   return setup.map ? setup.map->submaps.front().markers.size() : 0;
-}
-
-/// A folder of its own per recording, named by the date (UTC) so that names sort by age.
-std::filesystem::path new_recording_folder(const std::filesystem::path& archive) {
-  const std::time_t now = std::time(nullptr);
-  std::tm utc{};
-  ::gmtime_r(&now, &utc);
-  std::array<char, 32> name{};
-  const std::size_t length = std::strftime(name.data(), name.size(), "%Y%m%dT%H%M%SZ", &utc);
-  const std::string date(name.data(), length);
-  std::filesystem::path folder = archive / date;
-  for (int i = 2; std::filesystem::exists(folder); ++i) {
-    folder = archive / fmt::format("{}-{}", date, i);
-  }
-  return folder;
 }
 
 std::filesystem::path folder_from(const char* variable, const char* fallback) {
@@ -316,8 +300,8 @@ std::string Daemon::Parts::answer(std::string_view request) {
   if (request != "start") return "error: the requests are start, stop and status";
   if (state.running) return "error: already recording to " + state.folder.string();
   const auto folder = new_recording_folder(setup.config.record.dir);
-  const Status started = start_recording(folder);
-  return started ? "ok " + folder.string() : "error: " + started.error().message;
+  const Status started = folder ? start_recording(*folder) : tl::make_unexpected(folder.error());
+  return started ? "ok " + folder->string() : "error: " + started.error().message;
 }
 
 void Daemon::Parts::feed_watchdog(Stamp now) {

@@ -4,15 +4,16 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <map>
+#include <set>
 #include <system_error>
 #include <utility>
 
 #include "core/base/atomic_file.h"
 #include "core/base/system_call.h"
 #include "core/base/text_field.h"
+#include "locd/folder_walk.h"
 
 namespace waymark {
 
@@ -42,8 +43,8 @@ std::string capture_toml(const RecordingFacts& facts) {
       std::chrono::duration_cast<std::chrono::microseconds>(facts.sync_tolerance).count();
   return fmt::format(
       "clock = \"realtime\"\nsession = \"{}\"\nsync_tolerance_us = {}\ncodec = \"{}\"\n"
-      "software = \"waymark locd {}\"\n",
-      facts.session_id, tolerance_us, facts.codec, facts.version);
+      "{}{}\"\n",
+      facts.session_id, tolerance_us, facts.codec, kRecordedByLocd, facts.version);
 }
 
 }  // namespace
@@ -69,11 +70,12 @@ Expected<RecordingFolder> RecordingFolder::open(const fs::path& path, const Reco
   const bool empty = fs::is_empty(path, failed);
   if (!failed && !empty) {
     const auto earlier = read_file(path / "rig.yaml");
-    if (!earlier || *earlier != facts.rig_yaml) {
-      return fail(ErrorKind::cant_create,
-                  "{}: can't record here: it is not empty, and no recording of this rig; name "
-                  "another folder",
-                  path.string());
+    if (!earlier || *earlier != facts.rig_yaml || !recorded_by_locd(path)) {
+      return fail(
+          ErrorKind::cant_create,
+          "{}: can't record here: it is not empty, and no recording of locd's with this rig; name "
+          "another folder",
+          path.string());
     }
   }
   if (auto written = folder.write_texts(facts); !written) {
@@ -81,7 +83,7 @@ Expected<RecordingFolder> RecordingFolder::open(const fs::path& path, const Reco
   }
   if (auto opened = folder.open_folders(); !opened) return tl::make_unexpected(opened.error());
   folder.list_earlier_sets(facts.sync_tolerance);
-  if (!facts.archive.empty()) folder.list_earlier_recordings(facts.archive);
+  if (!facts.archive.empty()) folder.earlier_ = RecordingArchive(facts.archive, path);
   return folder;
 }
 
@@ -106,61 +108,40 @@ Status RecordingFolder::open_folders() {
       return fail(creation_error(), "{}: can't create: {}", folder.string(), system_reason());
     }
   }
-  const fs::path table = path_ / "frames.csv";
-  const bool is_new = !fs::exists(table);
-  table_ = Descriptor(::open(table.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  if (!table_.valid()) {
-    return fail(creation_error(), "{}: can't create: {}", table.string(), system_reason());
-  }
-  if (is_new && !write_all(table_.get(), "camera,t_ns,exposure_ns,sequence,stamp_quality\n")) {
-    return fail(ErrorKind::io, "{}: can't write: {}", table.string(), system_reason());
-  }
+  auto table = FrameTable::open(path_ / "frames.csv");
+  if (!table) return tl::make_unexpected(table.error());
+  table_.emplace(std::move(*table));
   return {};
 }
 
 void RecordingFolder::list_earlier_sets(Stamp tolerance) {
   std::map<Stamp, SetOnDisk> found;
   for (std::size_t c = 0; c < cameras_.size(); ++c) {
-    std::error_code ignored;  // what can't be listed is not counted
-    for (const auto& entry : fs::directory_iterator(path_ / cameras_[c], ignored)) {
+    // What can't be listed is not counted.
+    walk_folder<fs::directory_iterator>(path_ / cameras_[c], [&](const fs::directory_entry& entry) {
+      std::error_code gone;
       const auto t_ns = parse_whole<std::int64_t>(entry.path().stem().string());
       if (entry.path().extension() != ending_ || !t_ns) {
         // Left half-written by a process that was killed.
-        if (entry.path().filename().string().ends_with(".part")) fs::remove(entry, ignored);
-        continue;
+        if (entry.path().filename().string().ends_with(".part")) fs::remove(entry, gone);
+        return;
       }
+      const auto bytes = entry.file_size(gone);
+      if (gone) return;
       const Stamp stamp(*t_ns);
       auto near = found.lower_bound(stamp - tolerance);
       if (near == found.end() || near->first > stamp + tolerance) {
         near = found.emplace(stamp, SetOnDisk{stamp, 0, {}}).first;
       }
-      near->second.bytes += entry.file_size(ignored);
+      near->second.bytes += bytes;
       near->second.images.push_back({c, stamp});
-    }
+    });
   }
   for (auto& [stamp, set] : found) {
-    bytes_ += set.bytes;
+    images_ += set.images.size();
+    image_bytes_ += set.bytes;
     sets_.push_back(std::move(set));
   }
-}
-
-void RecordingFolder::list_earlier_recordings(const fs::path& archive) {
-  std::error_code ignored;  // what can't be listed is not deleted either
-  for (const auto& recording : fs::directory_iterator(archive, ignored)) {
-    if (fs::equivalent(recording.path(), path_, ignored)) continue;
-    if (!fs::exists(recording.path() / "rig.yaml", ignored)) continue;
-    EarlierRecording earlier{recording.path(), 0, Stamp{0}};
-    for (const auto& file : fs::recursive_directory_iterator(recording.path(), ignored)) {
-      if (!file.is_regular_file(ignored)) continue;
-      earlier.bytes += file.file_size(ignored);
-      const auto t_ns = parse_whole<std::int64_t>(file.path().stem().string());
-      if (t_ns) earlier.newest = std::max(earlier.newest, Stamp(*t_ns));
-    }
-    earlier_bytes_ += earlier.bytes;
-    earlier_.push_back(std::move(earlier));
-  }
-  std::sort(earlier_.begin(), earlier_.end(),
-            [](const auto& a, const auto& b) { return a.newest < b.newest; });
 }
 
 std::string RecordingFolder::file_name(Stamp stamp) const {
@@ -168,10 +149,12 @@ std::string RecordingFolder::file_name(Stamp stamp) const {
 }
 
 Status RecordingFolder::write_set(const std::vector<RecordedImage>& images) {
+  const std::string rows = rows_of(images);
   SetOnDisk set;
   set.stamp = images.front().info.stamp;
   for (const RecordedImage& image : images) set.bytes += image.bytes.size();
-  if (auto room = make_room(set.bytes, set.stamp); !room) return room;
+  if (auto room = make_room(set.bytes + rows.size(), set.stamp); !room) return room;
+  if (auto rewritten = forget_deleted_rows(); !rewritten) return rewritten;
   for (const RecordedImage& image : images) {
     if (auto written = write_image(image); !written) {
       delete_set(set);
@@ -179,49 +162,63 @@ Status RecordingFolder::write_set(const std::vector<RecordedImage>& images) {
     }
     set.images.push_back({image.camera, image.info.stamp});
   }
-  if (auto appended = append_rows(images); !appended) {
+  if (auto appended = table_->append(rows); !appended) {
     delete_set(set);
     return appended;
   }
-  bytes_ += set.bytes;
+  images_ += set.images.size();
+  image_bytes_ += set.bytes;
   sets_.push_back(std::move(set));
   return unsynced_.size() >= kMaxUnsynced ? sync() : Status{};
 }
 
+Expected<std::uint64_t> RecordingFolder::free_bytes() const {
+  struct statvfs disk {};
+  if (::statvfs(path_.c_str(), &disk) == 0) return std::uint64_t{disk.f_bavail} * disk.f_frsize;
+  return fail(ErrorKind::io, "{}: can't ask for free space: {}", path_.string(), system_reason());
+}
+
+tl::unexpected<Error> RecordingFolder::no_room(std::uint64_t free_bytes) const {
+  return fail(ErrorKind::io,
+              "{}: {} bytes are free, {} must stay free; make room, or lower [record] "
+              "min_free_bytes",
+              path_.string(), free_bytes, budget_.min_free_bytes);
+}
+
 Status RecordingFolder::make_room(std::uint64_t bytes, Stamp stamp) {
-  while (has_oldest() &&
-         (oldest() < stamp - budget_.keep || earlier_bytes_ + bytes_ + bytes > budget_.max_bytes)) {
+  const std::uint64_t needed = budget_.min_free_bytes + bytes;
+  auto free = free_bytes();
+  if (!free) return tl::make_unexpected(free.error());
+  // Somebody else has filled the disk: all that could be deleted would not make up for it.
+  if (*free + image_bytes_ + earlier_.bytes() < needed) return no_room(*free);
+  while (has_oldest() && (oldest() < stamp - budget_.keep ||
+                          earlier_.bytes() + this->bytes() + bytes > budget_.max_bytes)) {
     delete_oldest();
   }
-  for (;;) {
-    struct statvfs disk {};
-    if (::statvfs(path_.c_str(), &disk) != 0) {
-      return fail(ErrorKind::io, "{}: can't ask for free space: {}", path_.string(),
-                  system_reason());
-    }
-    const std::uint64_t free_bytes = std::uint64_t{disk.f_bavail} * disk.f_frsize;
-    if (free_bytes >= budget_.min_free_bytes + bytes) return {};
-    if (!has_oldest()) {
-      return fail(ErrorKind::io,
-                  "{}: {} bytes are free, {} must stay free; make room, or lower [record] "
-                  "min_free_bytes",
-                  path_.string(), free_bytes, budget_.min_free_bytes);
-    }
+  while ((free = free_bytes()) && *free < needed) {
+    if (!has_oldest()) return no_room(*free);
     delete_oldest();
   }
+  return free ? Status{} : tl::make_unexpected(free.error());
+}
+
+Status RecordingFolder::forget_deleted_rows() {
+  if (table_->rows() <= 2 * images_) return {};
+  std::set<std::pair<std::string_view, Stamp>> kept;
+  for (const SetOnDisk& set : sets_) {
+    for (const ImageOnDisk& image : set.images) kept.emplace(cameras_[image.camera], image.stamp);
+  }
+  return table_->forget_all_but([&](std::string_view camera, Stamp stamp) {
+    return kept.contains({camera, stamp});
+  });
 }
 
 void RecordingFolder::delete_oldest() {
-  if (!earlier_.empty()) {
-    std::error_code ignored;  // what stays is found again by the next recording
-    std::filesystem::remove_all(earlier_.front().path, ignored);
-    earlier_bytes_ -= earlier_.front().bytes;
-    earlier_.pop_front();
-    return;
-  }
+  if (!earlier_.empty()) return earlier_.delete_oldest();
   const SetOnDisk oldest = std::move(sets_.front());
   sets_.pop_front();
-  bytes_ -= std::min(bytes_, oldest.bytes);
+  images_ -= oldest.images.size();
+  image_bytes_ -= oldest.bytes;
   delete_set(oldest);
 }
 
@@ -250,16 +247,14 @@ Status RecordingFolder::write_image(const RecordedImage& image) {
   return {};
 }
 
-Status RecordingFolder::append_rows(const std::vector<RecordedImage>& images) {
+std::string RecordingFolder::rows_of(const std::vector<RecordedImage>& images) const {
   std::string rows;
   for (const RecordedImage& image : images) {
     fmt::format_to(std::back_inserter(rows), "{},{},{},{},{}\n", cameras_[image.camera],
                    image.info.stamp.count(), image.info.exposure.count(), image.info.sequence,
                    name_of(image.info.quality));
   }
-  if (write_all(table_.get(), rows)) return {};
-  return fail(ErrorKind::io, "{}: can't write: {}", (path_ / "frames.csv").string(),
-              system_reason());
+  return rows;
 }
 
 Status RecordingFolder::sync() {
@@ -267,7 +262,7 @@ Status RecordingFolder::sync() {
   for (const Descriptor& file : unsynced_) good = ::fdatasync(file.get()) == 0 && good;
   unsynced_.clear();
   for (const Descriptor& folder : folders_) good = ::fsync(folder.get()) == 0 && good;
-  good = ::fdatasync(table_.get()) == 0 && good;
+  good = table_->sync() && good;
   if (good) return {};
   return fail(ErrorKind::io, "{}: can't bring images to the disk: {}", path_.string(),
               system_reason());

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,13 +12,15 @@
 #include "core/base/error.h"
 #include "core/geometry/stamp.h"
 #include "drivers/frame.h"
+#include "locd/frame_table.h"
+#include "locd/recording_archive.h"
 
 namespace waymark {
 
 /// What a recording may take.
 struct RecordingBudget {
-  std::uint64_t max_bytes = 10'000'000'000;      ///< of images; older sets are deleted beyond
-  Stamp keep = std::chrono::hours(7 * 24);       ///< older sets are deleted
+  std::uint64_t max_bytes = 10'000'000'000;  ///< of images and table; older sets are deleted beyond
+  Stamp keep = std::chrono::hours(7 * 24);   ///< older sets are deleted
   std::uint64_t min_free_bytes = 1'000'000'000;  ///< left free on the file system
 };
 
@@ -46,24 +49,25 @@ struct RecordedImage {
 /// is a capture that mapbuilder reads.
 class RecordingFolder {
  public:
-  /// Creates the folder, or goes on with one that the same rig recorded. Errors: cant_create
-  /// (another capture or something else is there, no place to write), permission, io.
+  /// Creates the folder, or goes on with one that locd recorded with the same rig. Errors:
+  /// cant_create (another capture or something else is there, no place to write), permission, io.
   [[nodiscard]] static Expected<RecordingFolder> open(const std::filesystem::path& path,
                                                       const RecordingFacts& facts,
                                                       const RecordingBudget& budget);
   RecordingFolder(RecordingFolder&&) = default;
   RecordingFolder& operator=(RecordingFolder&&) = delete;
 
-  /// Writes one frame set, after making room for it. Errors: io (disk full, device gone, no room to
-  /// be made); then none of the set's images is left behind.
+  /// Writes one frame set, after making room for it: nothing is deleted where that would not do.
+  /// Errors: io (disk full, device gone, no room to be made); then nothing of the set is left
+  /// behind.
   [[nodiscard]] Status write_set(const std::vector<RecordedImage>& images);
 
   /// Brings all that was written to the disk itself. Error: io.
   [[nodiscard]] Status sync();
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// Of the images in the folder, those of an earlier run of locd into it included.
-  [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+  /// Of the images and their table, those of an earlier run of locd into it included.
+  [[nodiscard]] std::uint64_t bytes() const { return image_bytes_ + table_->bytes(); }
   [[nodiscard]] std::uint64_t sets() const { return sets_.size(); }
   void set_budget(const RecordingBudget& budget) { budget_ = budget; }
 
@@ -77,28 +81,24 @@ class RecordingFolder {
     std::uint64_t bytes = 0;
     std::vector<ImageOnDisk> images;
   };
-  /// Another recording in the archive.
-  struct EarlierRecording {
-    std::filesystem::path path;
-    std::uint64_t bytes = 0;
-    Stamp newest{0};
-  };
 
   explicit RecordingFolder(std::filesystem::path path, const RecordingFacts& facts,
                            const RecordingBudget& budget);
   [[nodiscard]] Status write_texts(const RecordingFacts& facts);
   [[nodiscard]] Status open_folders();
   void list_earlier_sets(Stamp tolerance);
-  void list_earlier_recordings(const std::filesystem::path& archive);
+  [[nodiscard]] Expected<std::uint64_t> free_bytes() const;
+  [[nodiscard]] tl::unexpected<Error> no_room(std::uint64_t free_bytes) const;
   [[nodiscard]] Status make_room(std::uint64_t bytes, Stamp stamp);
   [[nodiscard]] bool has_oldest() const { return !earlier_.empty() || !sets_.empty(); }
   [[nodiscard]] Stamp oldest() const {
-    return earlier_.empty() ? sets_.front().stamp : earlier_.front().newest;
+    return earlier_.empty() ? sets_.front().stamp : earlier_.oldest();
   }
   void delete_oldest();
   void delete_set(const SetOnDisk& set);
   [[nodiscard]] Status write_image(const RecordedImage& image);
-  [[nodiscard]] Status append_rows(const std::vector<RecordedImage>& images);
+  [[nodiscard]] std::string rows_of(const std::vector<RecordedImage>& images) const;
+  [[nodiscard]] Status forget_deleted_rows();
   [[nodiscard]] std::string file_name(Stamp stamp) const;
 
   std::filesystem::path path_;
@@ -107,11 +107,11 @@ class RecordingFolder {
   RecordingBudget budget_;
   std::vector<Descriptor> folders_;  ///< per camera
   std::vector<Descriptor> unsynced_;
-  Descriptor table_;  ///< frames.csv
-  std::deque<EarlierRecording> earlier_;
+  std::optional<FrameTable> table_;
+  RecordingArchive earlier_;
   std::deque<SetOnDisk> sets_;
-  std::uint64_t bytes_ = 0;
-  std::uint64_t earlier_bytes_ = 0;
+  std::uint64_t images_ = 0;  ///< in sets_
+  std::uint64_t image_bytes_ = 0;
 };
 
 }  // namespace waymark

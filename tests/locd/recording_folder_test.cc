@@ -1,64 +1,27 @@
 #include "locd/recording_folder.h"
 
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
+#include <optional>
 
-#include "core/capture/capture_folder.h"
-#include "core/capture/image_file.h"
-#include "core/capture/pgm.h"
+#include "tests/locd/recording_fixture.h"
+#include "tests/support/disk_double.h"
 #include "tests/support/temporary_folder.h"
-#include "tests/support/tiny_capture.h"
 
 namespace waymark {
 namespace {
 
 using std::chrono::seconds;
+using test::bytes_of;
+using test::facts;
+using test::generous;
+using test::image_bytes;
+using test::images_in;
+using test::kStart;
+using test::set_at;
 using testing::HasSubstr;
-
-constexpr Stamp kStart = seconds(1'800'000'000);
-
-RecordingFacts facts() {
-  RecordingFacts f;
-  f.rig_yaml = tiny_rig_yaml(2);
-  f.markers_toml = tiny_markers_toml();
-  f.session_id = "0123456789abcdef";
-  f.version = "0.1.0";
-  f.codec = "pgm";
-  f.cameras = {"cam0", "cam1"};
-  f.sync_tolerance = std::chrono::milliseconds(5);
-  return f;
-}
-
-RecordingBudget generous() { return {std::uint64_t{1} << 40, std::chrono::hours(100), 0}; }
-
-const std::string& image_bytes() {
-  static const std::string bytes = encode_pgm(GrayImage(64, 48, 7).view());
-  return bytes;
-}
-
-std::vector<RecordedImage> set_at(Stamp stamp) {
-  std::vector<RecordedImage> images(2);
-  for (std::size_t c = 0; c < 2; ++c) {
-    images[c].camera = c;
-    images[c].info.stamp = stamp + std::chrono::microseconds(c);
-    images[c].info.sequence = 42;
-    images[c].info.exposure = std::chrono::microseconds(250);
-    images[c].bytes = image_bytes();
-  }
-  return images;
-}
-
-/// Images in the capture as its readers see it.
-std::size_t images_in(const std::filesystem::path& path) {
-  const auto capture = open_capture_folder(path);
-  EXPECT_TRUE(capture) << capture.error().message;
-  if (!capture) return 0;
-  for (const ImageFile& file : capture->images) EXPECT_TRUE(read_gray_image(file.path));
-  return capture->images.size();
-}
 
 TEST(RecordingFolder, IsACaptureFromTheFirstSetOn) {
   const TemporaryFolder tmp;
@@ -78,13 +41,12 @@ TEST(RecordingFolder, IsACaptureFromTheFirstSetOn) {
             "cam1,1800000000000001000,250000,42,exact\n");
   EXPECT_TRUE(folder->sync());
   EXPECT_EQ(folder->sets(), 1U);
-  EXPECT_EQ(folder->bytes(), 2 * image_bytes().size());
 }
 
 TEST(RecordingFolder, IsARingByBytes) {
   const TemporaryFolder tmp;
   RecordingBudget budget = generous();
-  budget.max_bytes = 10 * 2 * image_bytes().size();
+  budget.max_bytes = bytes_of(10);
   auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
   ASSERT_TRUE(folder);
   for (int i = 0; i < 25; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
@@ -104,20 +66,98 @@ TEST(RecordingFolder, IsARingByAge) {
   EXPECT_EQ(images_in(tmp.path()), 12U);
 }
 
-TEST(RecordingFolder, TheFloorOfFreeSpaceHolds) {
-  const TemporaryFolder tmp;
-  auto folder = RecordingFolder::open(tmp.path(), facts(), generous());
-  ASSERT_TRUE(folder);
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
-  RecordingBudget more_than_any_disk = generous();
-  more_than_any_disk.min_free_bytes = std::uint64_t{1} << 60;
-  folder->set_budget(more_than_any_disk);
-  const auto refused = folder->write_set(set_at(kStart + seconds(3)));
+/// Budget, folder and a disk of which the folder's images are the only thing that changes.
+class RingOnADisk {
+ public:
+  explicit RingOnADisk(std::uint64_t min_free_bytes) {
+    RecordingBudget budget = generous();
+    budget.min_free_bytes = min_free_bytes;
+    folder_.emplace(std::move(*RecordingFolder::open(tmp_.path(), facts(), budget)));
+    disk_.say_free([this] { return capacity_ - kSet * folder_->sets(); });
+  }
+  static inline const std::uint64_t kSet = 2 * image_bytes().size();
+  static inline const std::uint64_t kRows = 200;  ///< more than a set's rows take
+  RecordingFolder& folder() { return *folder_; }
+  /// Somebody else takes or gives space.
+  void resize(std::uint64_t capacity) { capacity_ = capacity; }
+
+ private:
+  TemporaryFolder tmp_;
+  test::DiskDouble disk_;
+  std::optional<RecordingFolder> folder_;
+  std::uint64_t capacity_ = std::uint64_t{1} << 40;
+};
+
+constexpr std::uint64_t kFloor = 1 << 20;
+/// What statvfs tells is whole blocks.
+constexpr std::uint64_t kBlock = 4096;
+
+TEST(RecordingFolder, TheRingMakesRoomUnderTheFloorOfFreeSpace) {
+  RingOnADisk ring(kFloor);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(ring.folder().write_set(set_at(kStart + seconds(i))));
+  }
+  ring.resize(kFloor + 4 * RingOnADisk::kSet + kBlock);
+  ASSERT_TRUE(ring.folder().write_set(set_at(kStart + seconds(5))));
+  EXPECT_EQ(ring.folder().sets(), 4U);
+}
+
+TEST(RecordingFolder, NothingIsDeletedWhereThatCantHelp) {
+  RingOnADisk ring(kFloor);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(ring.folder().write_set(set_at(kStart + seconds(i))));
+  }
+  ring.resize(kFloor + RingOnADisk::kSet - kBlock);  // with all five deleted, less than a set
+  const auto refused = ring.folder().write_set(set_at(kStart + seconds(5)));
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::io);
   EXPECT_THAT(refused.error().message, HasSubstr("min_free_bytes"));
-  EXPECT_EQ(folder->sets(), 0U);  // the ring gave all it had before giving up
-  EXPECT_EQ(folder->bytes(), 0U);
+  EXPECT_EQ(ring.folder().sets(), 5U);
+}
+
+TEST(RecordingFolder, TheTableIsOfTheFolder) {
+  const TemporaryFolder tmp;
+  auto folder = RecordingFolder::open(tmp.path(), facts(), generous());
+  ASSERT_TRUE(folder);
+  ASSERT_TRUE(folder->write_set(set_at(kStart)));
+  EXPECT_EQ(folder->bytes(), 2 * image_bytes().size() + tmp.read("frames.csv").size());
+}
+
+std::size_t rows_in(const TemporaryFolder& tmp) {
+  const std::string table = tmp.read("frames.csv");
+  return static_cast<std::size_t>(std::count(table.begin(), table.end(), '\n')) - 1;
+}
+
+TEST(RecordingFolder, TheTableForgetsDeletedSetsOnceTheyAreMoreThanHalf) {
+  const TemporaryFolder tmp;
+  RecordingBudget budget = generous();
+  budget.keep = seconds(5);  // with the one that is written: six sets, twelve rows
+  auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
+  ASSERT_TRUE(folder);
+  for (int i = 0; i < 11; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
+  EXPECT_EQ(rows_in(tmp), 22U);  // before the last set: ten of sets that are there, ten of others
+  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(11))));
+  EXPECT_EQ(rows_in(tmp), 12U);
+  for (int i = 12; i < 40; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
+  EXPECT_LE(rows_in(tmp), 22U);
+  for (int i = 34; i < 40; ++i) {
+    EXPECT_THAT(tmp.read("frames.csv"),
+                HasSubstr(fmt::format("cam1,{},", (kStart + seconds(i)).count() + 1000)));
+  }
+  EXPECT_EQ(images_in(tmp.path()), 12U);
+}
+
+TEST(RecordingFolder, ARestartForgetsTheRowsOfDeletedSetsToo) {
+  const TemporaryFolder tmp;
+  RecordingBudget budget = generous();
+  for (int run = 0; run < 10; ++run) {
+    budget.keep = seconds(1);
+    auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
+    ASSERT_TRUE(folder);
+    ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(run))));
+  }
+  EXPECT_LE(rows_in(tmp), 6U);
+  EXPECT_EQ(images_in(tmp.path()), 4U);
 }
 
 TEST(RecordingFolder, AFullDiskLeavesWholeSetsOnly) {
@@ -141,10 +181,44 @@ TEST(RecordingFolder, AFullDiskLeavesWholeSetsOnly) {
   EXPECT_TRUE(folder->write_set(set_at(kStart + seconds(2))));  // there is room again
 }
 
+TEST(RecordingFolder, ARowThatTheDiskTookInPartIsTakenBack) {
+  const TemporaryFolder tmp;
+  auto folder = RecordingFolder::open(tmp.path(), facts(), generous());
+  ASSERT_TRUE(folder);
+  int sets = 0;
+  while (tmp.read("frames.csv").size() <= image_bytes().size()) {
+    ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(sets++))));
+  }
+  const std::string before = tmp.read("frames.csv");
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit unlimited{};
+  ::getrlimit(RLIMIT_FSIZE, &unlimited);
+  const rlimit full{before.size() + 20, unlimited.rlim_max};
+  ::setrlimit(RLIMIT_FSIZE, &full);
+  const auto refused = folder->write_set(set_at(kStart + seconds(sets)));
+  ::setrlimit(RLIMIT_FSIZE, &unlimited);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("frames.csv"));
+  EXPECT_EQ(tmp.read("frames.csv"), before);
+  EXPECT_EQ(images_in(tmp.path()), 2 * static_cast<std::size_t>(sets));
+}
+
+TEST(RecordingFolder, ARowThatAPowerCutLeftInPartIsTakenBack) {
+  const TemporaryFolder tmp;
+  ASSERT_TRUE(RecordingFolder::open(tmp.path(), facts(), generous())->write_set(set_at(kStart)));
+  const std::string whole = tmp.read("frames.csv");
+  tmp.write("frames.csv", whole + "cam0,18000000");
+  tmp.write(".frames.csv.k7Dq2x", "the table as it was to be");
+  auto folder = RecordingFolder::open(tmp.path(), facts(), generous());
+  ASSERT_TRUE(folder) << folder.error().message;
+  EXPECT_EQ(tmp.read("frames.csv"), whole);
+  EXPECT_FALSE(std::filesystem::exists(tmp.path() / ".frames.csv.k7Dq2x"));
+}
+
 TEST(RecordingFolder, GoesOnWhereItWasAfterARestart) {
   const TemporaryFolder tmp;
   RecordingBudget budget = generous();
-  budget.max_bytes = 4 * 2 * image_bytes().size();
+  budget.max_bytes = bytes_of(4);
   {
     auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
     ASSERT_TRUE(folder);
@@ -154,7 +228,7 @@ TEST(RecordingFolder, GoesOnWhereItWasAfterARestart) {
   auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
   ASSERT_TRUE(folder) << folder.error().message;
   EXPECT_EQ(folder->sets(), 3U);
-  EXPECT_EQ(folder->bytes(), 3 * 2 * image_bytes().size());
+  EXPECT_EQ(folder->bytes(), 3 * 2 * image_bytes().size() + tmp.read("frames.csv").size());
   EXPECT_FALSE(std::filesystem::exists(tmp.path() / "cam0/.1800000000000000003.pgm.part"));
   for (int i = 3; i < 8; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
   EXPECT_EQ(images_in(tmp.path()), 8U);
@@ -172,33 +246,6 @@ TEST(RecordingFolder, NeverWritesIntoSomethingElse) {
   EXPECT_EQ(other_rig.read("rig.yaml"), tiny_rig_yaml(1));
   const auto file = tmp.write("file", "x");
   EXPECT_FALSE(RecordingFolder::open(file, facts(), generous()));
-}
-
-TEST(RecordingFolder, EarlierRecordingsShareTheBudgetAndGoFirst) {
-  const TemporaryFolder archive;
-  RecordingFacts with_archive = facts();
-  with_archive.archive = archive.path();
-  RecordingBudget budget = generous();
-  for (int r = 0; r < 2; ++r) {
-    auto earlier = RecordingFolder::open(archive.path() / std::to_string(r), with_archive, budget);
-    ASSERT_TRUE(earlier);
-    for (int i = 0; i < 3; ++i) {
-      ASSERT_TRUE(earlier->write_set(set_at(kStart + seconds(100 * r + i))));
-    }
-  }
-  archive.write("notes/readme.txt", "not a recording");
-  budget.max_bytes = 8 * 2 * image_bytes().size();
-  auto folder = RecordingFolder::open(archive.path() / "2", with_archive, budget);
-  ASSERT_TRUE(folder);
-  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200))));
-  EXPECT_TRUE(std::filesystem::exists(archive.path() / "0"));
-  for (int i = 1; i < 4; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200 + i))));
-  EXPECT_FALSE(std::filesystem::exists(archive.path() / "0"));  // the texts count as well
-  EXPECT_TRUE(std::filesystem::exists(archive.path() / "1"));
-  EXPECT_TRUE(std::filesystem::exists(archive.path() / "notes/readme.txt"));
-  for (int i = 4; i < 12; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200 + i))));
-  EXPECT_FALSE(std::filesystem::exists(archive.path() / "1"));
-  EXPECT_EQ(folder->sets(), 8U);
 }
 
 }  // namespace
