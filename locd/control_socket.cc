@@ -62,31 +62,40 @@ void ControlSocket::accept_clients() {
     Descriptor client(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
     if (!client.valid()) return;
     if (clients_.size() == kMaxClients) clients_.erase(clients_.begin());  // it has had its time
-    clients_.push_back({std::move(client), ""});
+    clients_.push_back({std::move(client), "", {}});
   }
 }
 
-void ControlSocket::serve(const Answer& answer) {
+void ControlSocket::serve(const Handler& handler, Stamp now) {
   accept_clients();
-  std::erase_if(clients_, [&](Client& client) { return !serve(client, answer); });
+  std::erase_if(clients_, [&](Client& client) { return !serve(client, handler, now); });
 }
 
-bool ControlSocket::serve(Client& client, const Answer& answer) {
+bool ControlSocket::receive(Client& client) {
   std::array<char, kMaxRequest> buffer{};
-  for (;;) {
+  while (client.received.size() <= kMaxRequest) {
     const ssize_t got = ::recv(client.descriptor.get(), buffer.data(), buffer.size(), 0);
     if (got < 0) return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
     if (got == 0) return false;
     client.received.append(buffer.data(), static_cast<std::size_t>(got));
-    for (auto end = client.received.find('\n'); end != std::string::npos;
-         end = client.received.find('\n')) {
-      const std::string reply =
-          answer(trimmed(std::string_view(client.received).substr(0, end))) + "\n";
-      client.received.erase(0, end + 1);
-      if (::send(client.descriptor.get(), reply.data(), reply.size(), MSG_NOSIGNAL) < 0)
-        return false;
+  }
+  return true;
+}
+
+bool ControlSocket::serve(Client& client, const Handler& handler, Stamp now) {
+  const bool says_more = receive(client);
+  for (;;) {
+    if (client.answer) {
+      const auto answer = client.answer(now);
+      if (!answer) return true;
+      client.answer = nullptr;
+      const std::string line = *answer + "\n";
+      if (::send(client.descriptor.get(), line.data(), line.size(), MSG_NOSIGNAL) < 0) return false;
     }
-    if (client.received.size() > kMaxRequest) return false;
+    const auto end = client.received.find('\n');
+    if (end == std::string::npos) return says_more && client.received.size() <= kMaxRequest;
+    client.answer = handler(trimmed(std::string_view(client.received).substr(0, end)));
+    client.received.erase(0, end + 1);
   }
 }
 

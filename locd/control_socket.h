@@ -2,12 +2,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/descriptor.h"
 #include "core/base/error.h"
+#include "core/geometry/stamp.h"
 
 namespace waymark {
 
@@ -15,8 +17,10 @@ namespace waymark {
 /// may is said by the socket's mode, 0660, and its group. Never waits for a client.
 class ControlSocket {
  public:
-  /// A request without its line end; the answer without one.
-  using Answer = std::function<std::string(std::string_view request)>;
+  /// An answer without its line end; nullopt: not yet, ask again.
+  using Answer = std::function<std::optional<std::string>(Stamp now)>;
+  /// Takes a request, without its line end; gives what to ask for the answer.
+  using Handler = std::function<Answer(std::string_view request)>;
   static constexpr std::size_t kMaxClients = 8;
   static constexpr std::size_t kMaxRequest = 256;
 
@@ -31,19 +35,23 @@ class ControlSocket {
   /// Becomes readable when somebody connects.
   [[nodiscard]] int descriptor() const { return listener_.get(); }
 
-  /// Answers whatever has come.
-  void serve(const Answer& answer);
+  /// Has whatever has come handled, and sends the answers that there are. A client's next request
+  /// is handled after the answer to the one before; who says nothing more is still answered.
+  void serve(const Handler& handler, Stamp now);
 
  private:
   struct Client {
     Descriptor descriptor;
     std::string received;
+    Answer answer;  ///< empty: nothing was asked
   };
   ControlSocket(Descriptor listener, std::filesystem::path path)
       : listener_(std::move(listener)), path_(std::move(path)) {}
   void accept_clients();
+  /// False when the client says nothing more.
+  static bool receive(Client& client);
   /// False when the client is done.
-  static bool serve(Client& client, const Answer& answer);
+  static bool serve(Client& client, const Handler& handler, Stamp now);
 
   Descriptor listener_;
   std::filesystem::path path_;

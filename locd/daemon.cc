@@ -3,18 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <future>
 
-#include "core/camera/kalibr.h"
 #include "core/map/quarantine.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/control_socket.h"
 #include "locd/localization_thread.h"
+#include "locd/quarantine_file.h"
 #include "locd/realtime.h"
 #include "locd/recorder.h"
-#include "locd/recording_archive.h"
+#include "locd/recording_control.h"
 #include "locd/rig_capture.h"
 #include "locd/service_log.h"
 #include "locd/service_notifier.h"
@@ -28,15 +29,7 @@ constexpr Stamp kStatusPeriod = std::chrono::seconds(1);
 /// slow machine, and cameras turn five times a second.
 constexpr Stamp kStuck = std::chrono::seconds(3);
 
-/// What a former run distrusted of the same map.
-std::vector<QuarantinedMarker> quarantine_of(const std::string& map_hash,
-                                             const std::filesystem::path& file) {
-  auto quarantine = read_quarantine(file);
-  if (!quarantine || quarantine->map_hash != map_hash) return {};
-  return std::move(quarantine->markers);
-}
-
-MapInUse map_in_use(const Setup& setup, const std::filesystem::path& quarantine_file) {
+MapInUse map_in_use(const Setup& setup, const QuarantineFile& quarantine) {
   MapInUse map;
   map.time_budget =
       std::chrono::microseconds(std::llround(setup.config.solve.time_budget_ms * 1e3));
@@ -46,7 +39,7 @@ MapInUse map_in_use(const Setup& setup, const std::filesystem::path& quarantine_
   map.several_families = setup.map->several_families();
   map.localizer =
       std::make_unique<Localizer>(setup.rig, *setup.map, localizer_options(setup.config));
-  map.localizer->restore_quarantine(quarantine_of(map.map_hash, quarantine_file));
+  map.localizer->restore_quarantine(quarantine.of_map(map.map_hash));
   return map;
 }
 
@@ -76,12 +69,13 @@ DaemonOptions options_from_environment() {
 }
 
 struct Daemon::Parts {
-  Parts(DaemonOptions chosen, Setup read, MapInUse map,
+  Parts(DaemonOptions chosen, Setup read, std::unique_ptr<QuarantineFile> file, MapInUse map,
         std::vector<std::unique_ptr<FrameSource>> sources)
       : options(std::move(chosen)),
         setup(std::move(read)),
         several_families(map.several_families),
-        quarantine{map.map_hash, quarantine_of(map.map_hash, quarantine_file())},
+        quarantine_file(std::move(file)),
+        quarantine{map.map_hash, quarantine_file->of_map(map.map_hash)},
         telemetry(setup.config.lcm, session_of(setup, map), read_clocks()),
         capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
         localization(capture, telemetry, std::move(map),
@@ -91,10 +85,13 @@ struct Daemon::Parts {
   DaemonOptions options;
   Setup setup;
   bool several_families;
-  Quarantine quarantine;  ///< as it stands in the state folder
+  std::unique_ptr<QuarantineFile> quarantine_file;
+  Quarantine quarantine;  ///< as it stands in the state folder, or soon will
   Telemetry telemetry;
   RigCapture capture;
   Recorder recorder;
+  RecordingControl recordings{recorder,
+                              [this] { return plan_recording(setup, telemetry, options.version); }};
   LocalizationThread localization;
   StatusReport report;
   std::optional<ControlSocket> control;
@@ -103,12 +100,14 @@ struct Daemon::Parts {
   status_t status{};
   std::vector<RigCapture::CameraState> cameras;
   std::string reload_refused;
-  bool was_recording = false;
+  std::uint64_t recordings_told = 0;  ///< that they began
+  bool end_told = true;
   std::optional<Error> refusal;
   Stamp started{0};
   Stamp last_status{0};
   bool ready = false;
-  std::future<void> ended;  ///< of the threads, once they were told to
+  std::atomic<const char*> ending{""};  ///< what is just told to end
+  std::future<void> ended;              ///< of the threads, once they were told to
 
   void look_at_cameras(Stamp now);
   void pass_on(const std::vector<Alert>& alerts, Stamp now);
@@ -116,19 +115,16 @@ struct Daemon::Parts {
   void feed_watchdog(Stamp now);
   void keep_quarantine(Stamp now);
   void look_at_recorder(Stamp now);
-  Status start_recording(const std::filesystem::path& folder);
-  std::string answer(std::string_view request);
-  [[nodiscard]] std::filesystem::path quarantine_file() const {
-    return options.state_folder / "quarantine.json";
-  }
+  Status record_from_the_start(const std::filesystem::path& folder);
   Status swap(Setup next);
 };
 
 Daemon::Daemon(DaemonOptions options, Setup setup,
                std::vector<std::unique_ptr<FrameSource>> sources) {
-  MapInUse map = map_in_use(setup, options.state_folder / "quarantine.json");
-  parts_ = std::make_unique<Parts>(std::move(options), std::move(setup), std::move(map),
-                                   std::move(sources));
+  auto quarantine = std::make_unique<QuarantineFile>(options.state_folder / "quarantine.json");
+  MapInUse map = map_in_use(setup, *quarantine);
+  parts_ = std::make_unique<Parts>(std::move(options), std::move(setup), std::move(quarantine),
+                                   std::move(map), std::move(sources));
 }
 
 Daemon::~Daemon() = default;
@@ -150,7 +146,7 @@ Status Daemon::start() {
   if (!control) return tl::make_unexpected(control.error());
   p.control.emplace(std::move(*control));
   if (p.options.record) {
-    if (auto recording = p.start_recording(*p.options.record); !recording) return recording;
+    if (auto recording = p.record_from_the_start(*p.options.record); !recording) return recording;
   }
   p.started = p.last_status = monotonic_now();
   const Config::Service& service = p.setup.config.service;
@@ -180,7 +176,8 @@ void Daemon::turn(Stamp now) {
   p.pass_on(p.localization.take_alerts(), now);
   p.keep_quarantine(now);
   p.look_at_recorder(now);
-  p.control->serve([&p](std::string_view request) { return p.answer(request); });
+  p.control->serve(
+      [&p, now](std::string_view request) { return p.recordings.handle(request, now); }, now);
   if (now - p.last_status >= kStatusPeriod) p.publish_status(now);
   p.feed_watchdog(now);
   p.log.summarize(now);
@@ -219,8 +216,8 @@ void Daemon::Parts::publish_status(Stamp now) {
   status.reload_refused = reload_refused;
   status.quarantined_markers = static_cast<std::int32_t>(quarantine.markers.size());
   const Recorder::State recording = recorder.state();
-  status.recording = static_cast<std::int8_t>(recording.running);
-  status.recording_path = recording.running ? recording.folder.string() : "";
+  status.recording = static_cast<std::int8_t>(recording.running());
+  status.recording_path = recording.running() ? recording.folder.string() : "";
   status.recorded_sets = static_cast<std::int64_t>(recording.sets);
   status.recorded_bytes = static_cast<std::int64_t>(recording.bytes);
   status.recorder_drops = static_cast<std::int64_t>(recording.drops);
@@ -234,6 +231,9 @@ void Daemon::Parts::publish_status(Stamp now) {
 }
 
 void Daemon::Parts::keep_quarantine(Stamp now) {
+  if (const auto failure = quarantine_file->take_failure()) {
+    log.event("QUARANTINE", failure->message, now);
+  }
   auto markers = localization.take_quarantine();
   if (!markers) return;
   for (QuarantinedMarker& marker : *markers) {
@@ -243,65 +243,36 @@ void Daemon::Parts::keep_quarantine(Stamp now) {
     if (marker.since_utime == 0) marker.since_utime = telemetry.utime_us(now);
   }
   quarantine = {telemetry.session().map_hash, std::move(*markers)};
-  if (auto written = write_quarantine(quarantine_file(), quarantine); !written) {
-    log.event("QUARANTINE", written.error().message, now);
-  }
+  quarantine_file->write(quarantine);
 }
 
 void Daemon::Parts::look_at_recorder(Stamp now) {
   const Recorder::State state = recorder.state();
-  if (state.running == was_recording) return;
-  was_recording = state.running;
-  const std::string text = state.running   ? "recording to " + state.folder.string()
-                           : state.failure ? "recording ended: " + state.failure->message
-                                           : "recording ended: " + state.folder.string();
-  const bool wrong = !state.running && state.failure.has_value();
-  telemetry.publish_alert("RECORDING", state.folder.string(), text, wrong, now);
-  log.event(wrong ? "RECORDING" : text, text, now);
+  const std::string folder = state.folder.string();
+  const auto tell = [&](const std::string& text, bool wrong) {
+    telemetry.publish_alert("RECORDING", folder, text, wrong, now);
+    log.event(wrong ? "RECORDING" : text, text, now);
+  };
+  if (state.begun != recordings_told) {
+    recordings_told = state.begun;
+    end_told = false;
+    tell("recording to " + folder, false);
+  }
+  if (end_told || state.phase != Recorder::Phase::idle) return;
+  end_told = true;
+  tell("recording ended: " + (state.failure ? state.failure->message : folder),
+       state.failure.has_value());
 }
 
-Status Daemon::Parts::start_recording(const std::filesystem::path& folder) {
-  const Config::Record& record = setup.config.record;
-  RecordingFacts facts;
-  facts.rig_yaml = format_camchain(setup.rig);
-  facts.markers_toml = setup.markers_toml;
-  facts.session_id = telemetry.session().session_id;
-  facts.version = options.version;
-  facts.codec = record.jpeg ? "jpeg" : "pgm";
-  facts.sync_tolerance = sync_options(setup.config).tolerance;
-  if (folder.parent_path() == record.dir) facts.archive = record.dir;
-  RecorderOptions chosen;
-  chosen.jpeg = record.jpeg;
-  chosen.every_nth = record.every_nth;
-  chosen.budget.max_bytes = record.max_bytes;
-  chosen.budget.keep =
-      std::chrono::duration_cast<Stamp>(std::chrono::duration<double>(record.keep_s));
-  chosen.budget.min_free_bytes = record.min_free_bytes;
-  chosen.name_offset = telemetry.utime_offset();
-  for (const RigCamera& camera : setup.rig.cameras) {
-    facts.cameras.push_back(camera.name);
-    const CameraParameters& size = camera.model.parameters();
-    chosen.pixels.push_back(static_cast<std::size_t>(size.width_px) *
-                            static_cast<std::size_t>(size.height_px));
+Status Daemon::Parts::record_from_the_start(const std::filesystem::path& folder) {
+  RecordingPlan plan = plan_recording(setup, telemetry, options.version);
+  if (folder.parent_path() != plan.facts.archive) plan.facts.archive.clear();
+  recorder.start(folder, plan.facts, plan.options);
+  if (!recorder.settle(monotonic_now() + RecordingControl::kPatience)) {
+    return fail(ErrorKind::io, "{}: can't record here: the disk does not answer", folder.string());
   }
-  return recorder.start(folder, facts, chosen);
-}
-
-std::string Daemon::Parts::answer(std::string_view request) {
-  const auto state = recorder.state();
-  if (request == "status") {
-    return fmt::format("ok {}", state.running ? "recording to " + state.folder.string()
-                                              : std::string("not recording"));
-  }
-  if (request == "stop") {
-    recorder.stop();
-    return state.running ? "ok " + state.folder.string() : "ok there was no recording";
-  }
-  if (request != "start") return "error: the requests are start, stop and status";
-  if (state.running) return "error: already recording to " + state.folder.string();
-  const auto folder = new_recording_folder(setup.config.record.dir);
-  const Status started = folder ? start_recording(*folder) : tl::make_unexpected(folder.error());
-  return started ? "ok " + folder->string() : "error: " + started.error().message;
+  const auto failure = recorder.state().failure;
+  return failure ? tl::make_unexpected(*failure) : Status{};
 }
 
 void Daemon::Parts::feed_watchdog(Stamp now) {
@@ -341,29 +312,45 @@ Status Daemon::Parts::swap(Setup next) {
     return fail(ErrorKind::config, "{}: the rig has changed, which needs a restart",
                 next.config.rig.camchain.string());
   }
-  MapInUse map = map_in_use(next, quarantine_file());
+  MapInUse map = map_in_use(next, *quarantine_file);
   several_families = map.several_families;
-  quarantine = {map.map_hash, quarantine_of(map.map_hash, quarantine_file())};
+  quarantine = {map.map_hash, quarantine_file->of_map(map.map_hash)};
   setup = std::move(next);
   localization.swap_map(std::move(map));
   return {};
 }
 
-bool Daemon::stop(Stamp patience) {
+Status Daemon::stop(Stamp patience) {
   Parts& p = *parts_;
+  const Stamp deadline = monotonic_now() + patience;
   if (!p.ended.valid()) {
     p.notifier.stopping();
-    // In a thread of its own: a driver's call that never returns must not hold up the end.
+    // In a thread of its own: a driver's call that never returns must not hold up the end. Recorded
+    // sets have all of the time to reach the disk.
     std::promise<void> ended;
     p.ended = ended.get_future();
     std::thread([&p, ended = std::move(ended)]() mutable {
-      p.capture.stop();
+      p.ending = "localization";
       p.localization.stop();
       p.recorder.stop();
+      p.ending = "a camera's driver";
+      p.capture.stop();
       ended.set_value_at_thread_exit();
     }).detach();
   }
-  return p.ended.wait_for(patience) == std::future_status::ready;
+  const auto left = [&] { return deadline - monotonic_now(); };
+  if (p.ended.wait_for(left()) != std::future_status::ready) {
+    const bool recorded = p.recorder.settle(deadline);
+    return fail(ErrorKind::unavailable, "{}{} does not return; ending without", p.ending.load(),
+                recorded ? "" : ", nor the disk with the recording,");
+  }
+  if (!p.recorder.settle(deadline)) {
+    return fail(ErrorKind::unavailable, "the disk does not take the recording; ending without");
+  }
+  if (!p.quarantine_file->settle(deadline)) {
+    return fail(ErrorKind::unavailable, "the disk does not take quarantine.json; ending without");
+  }
+  return {};
 }
 
 }  // namespace waymark

@@ -44,9 +44,10 @@ class Daemon {
   /// Reads the configuration again and swaps map, tunables and recording budget, or refuses it
   /// whole.
   void reload();
-  /// Ends the threads: false when one of them is stuck in a driver's call after `patience`. Until a
-  /// later call says true the object must not be destroyed: the process may end without.
-  [[nodiscard]] bool stop(Stamp patience);
+  /// Ends the threads, with all that was recorded on the disk. unavailable, naming what does not
+  /// return (a camera's driver, the disk), when that takes longer than `patience`: until a later
+  /// call succeeds the object must not be destroyed, but the process may end without.
+  [[nodiscard]] Status stop(Stamp patience);
 
   /// Video devices have come: cameras that are absent are tried at once.
   void devices_came();

@@ -100,8 +100,9 @@ int run_daemon(const DaemonOptions& options) {
   auto monitor = open_device_monitor();
   const Status served = serve(*daemon, signals, monitor);
   const int code = served ? 0 : report_failure(served.error());
-  if (daemon->stop(kStopPatience)) return code;
-  fmt::print(stderr, "locd: a driver does not return; ending without it\n");
+  const Status ended = daemon->stop(kStopPatience);
+  if (ended) return code;
+  fmt::print(stderr, "locd: {}\n", ended.error().message);
   std::fflush(nullptr);
   std::_Exit(code);
 }

@@ -2,57 +2,57 @@
 
 #include <cstring>
 
+#include "core/base/check.h"
 #include "core/capture/jpeg.h"
 #include "core/capture/pgm.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/realtime.h"
+#include "locd/recording_archive.h"
 
 namespace waymark {
 
-Recorder::~Recorder() { stop(); }
+namespace {
 
-Status Recorder::start(const std::filesystem::path& path, const RecordingFacts& facts,
-                       const RecorderOptions& options) {
+Expected<RecordingFolder> open_folder(const std::filesystem::path& folder,
+                                      const RecordingFacts& facts, const RecordingBudget& budget) {
+  if (!folder.empty()) return RecordingFolder::open(folder, facts, budget);
+  const auto created = new_recording_folder(facts.archive);
+  if (!created) return tl::make_unexpected(created.error());
+  return RecordingFolder::open(*created, facts, budget);
+}
+
+}  // namespace
+
+Recorder::~Recorder() {
   stop();
-  auto folder = RecordingFolder::open(path, facts, options.budget);
-  if (!folder) return tl::make_unexpected(folder.error());
+  if (thread_.joinable()) thread_.join();
+}
+
+void Recorder::start(const std::filesystem::path& folder, const RecordingFacts& facts,
+                     const RecorderOptions& options) {
+  if (thread_.joinable()) thread_.join();  // it has ended, or is about to
   const std::lock_guard lock(mutex_);
+  WAYMARK_CHECK(state_.phase == Phase::idle);
   options_ = options;
   stopping_ = false;
   offered_ = 0;
-  slots_.assign(kSlots, Slot{0, std::vector<Image>(facts.cameras.size())});
-  for (Slot& slot : slots_) {
-    for (std::size_t c = 0; c < options.pixels.size(); ++c) {
-      slot.images[c].pixels.reserve(options.pixels[c]);
-    }
-  }
-  free_.clear();
-  filled_.clear();
-  filled_.reserve(kSlots);
-  for (std::size_t i = 0; i < kSlots; ++i) free_.push_back(i);
-  encoded_.resize(facts.cameras.size());
-  state_ = {true, path, folder->sets(), folder->bytes(), state_.drops, std::nullopt};
-  thread_ = std::thread([this, moved = std::move(*folder)]() mutable {
-    name_thread("recorder");
-    run(std::move(moved));
-  });
-  return {};
+  state_ = {Phase::starting, {}, state_.begun, 0, 0, state_.drops, std::nullopt};
+  thread_ = std::thread([this, folder, facts] { run(folder, facts); });
 }
 
 void Recorder::stop() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  work_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  const std::lock_guard lock(mutex_);
+  if (state_.phase == Phase::idle) return;
+  stopping_ = true;
+  state_.phase = Phase::stopping;
+  changed_.notify_all();
+}
+
+bool Recorder::settle(Stamp deadline) const {
   std::unique_lock lock(mutex_);
-  // A set may just be under copy.
-  work_.wait(lock, [&] { return free_.size() + filled_.size() == slots_.size(); });
-  state_.running = false;
-  slots_.clear();
-  free_.clear();
-  filled_.clear();
+  return changed_.wait_until(lock, as_time_point(deadline), [&] {
+    return state_.phase == Phase::idle || state_.phase == Phase::recording;
+  });
 }
 
 void Recorder::offer(const FrameSetLease& set) {
@@ -64,12 +64,12 @@ void Recorder::offer(const FrameSetLease& set) {
     const std::lock_guard lock(mutex_);
     filled_.push_back(*slot);
   }
-  work_.notify_all();
+  changed_.notify_all();
 }
 
 std::optional<std::size_t> Recorder::take_free_slot() {
   const std::lock_guard lock(mutex_);
-  if (!state_.running || stopping_) return std::nullopt;
+  if (state_.phase != Phase::recording) return std::nullopt;
   if (offered_++ % static_cast<std::uint64_t>(options_.every_nth) != 0) return std::nullopt;
   if (free_.empty()) {
     ++state_.drops;
@@ -99,38 +99,77 @@ void Recorder::copy(const FrameSetLease& set, Slot& slot) {
   }
 }
 
-void Recorder::run(RecordingFolder folder) {
+void Recorder::run(const std::filesystem::path& path, const RecordingFacts& facts) {
+  name_thread("recorder");
+  auto folder = open_folder(path, facts, options_.budget);
+  if (!folder) return end(tl::make_unexpected(folder.error()));
+  begin(*folder, facts.cameras.size());
+  end(record(*folder));
+}
+
+void Recorder::begin(const RecordingFolder& folder, std::size_t cameras) {
+  std::vector<Slot> slots(kSlots, Slot{0, std::vector<Image>(cameras)});
+  for (Slot& slot : slots) {
+    for (std::size_t c = 0; c < options_.pixels.size(); ++c) {
+      slot.images[c].pixels.reserve(options_.pixels[c]);
+    }
+  }
+  encoded_.resize(cameras);
+  const std::lock_guard lock(mutex_);
+  slots_ = std::move(slots);
+  filled_.reserve(kSlots);
+  for (std::size_t i = 0; i < kSlots; ++i) free_.push_back(i);
+  state_.folder = folder.path();
+  state_.sets = folder.sets();
+  state_.bytes = folder.bytes();
+  ++state_.begun;
+  if (!stopping_) state_.phase = Phase::recording;
+  changed_.notify_all();
+}
+
+Status Recorder::record(RecordingFolder& folder) {
   Stamp sync_due = monotonic_now() + kSyncPeriod;
   Status good;
-  while (good) {
-    std::optional<std::size_t> slot;
-    {
-      std::unique_lock lock(mutex_);
-      work_.wait_until(lock, as_time_point(sync_due),
-                       [&] { return stopping_ || !filled_.empty(); });
-      if (!filled_.empty()) {
-        slot = filled_.front();
-        filled_.erase(filled_.begin());
-      } else if (stopping_) {
-        break;
-      }
-    }
-    if (slot) {
+  for (bool done = false; good && !done;) {
+    if (const auto slot = next_filled_slot(sync_due, done)) {
       good = write(folder, slots_[*slot]);
       const std::lock_guard lock(mutex_);
       free_.push_back(*slot);
       state_.sets = folder.sets();
       state_.bytes = folder.bytes();
     }
-    if (good && monotonic_now() >= sync_due) {
+    if (good && (done || monotonic_now() >= sync_due)) {
       good = folder.sync();
       sync_due = monotonic_now() + kSyncPeriod;
     }
   }
-  if (good) good = folder.sync();
-  const std::lock_guard lock(mutex_);
-  state_.running = false;
-  if (!good) state_.failure = good.error();
+  return good;
+}
+
+std::optional<std::size_t> Recorder::next_filled_slot(Stamp sync_due, bool& done) {
+  std::unique_lock lock(mutex_);
+  // A set may just be under copy: its slot is in neither list.
+  const auto over = [&] { return stopping_ && free_.size() == slots_.size(); };
+  changed_.wait_until(lock, as_time_point(sync_due), [&] { return over() || !filled_.empty(); });
+  done = over();
+  if (filled_.empty()) return std::nullopt;
+  const std::size_t slot = filled_.front();
+  filled_.erase(filled_.begin());
+  return slot;
+}
+
+void Recorder::end(const Status& how) {
+  std::vector<Slot> slots;  // given back when nobody waits for the mutex
+  std::unique_lock lock(mutex_);
+  if (!how) state_.failure = how.error();
+  state_.phase = Phase::stopping;
+  // A set may just be under copy. What a failed recording has not written is lost.
+  changed_.wait(lock, [&] { return free_.size() + filled_.size() == slots_.size(); });
+  slots.swap(slots_);
+  free_.clear();
+  filled_.clear();
+  state_.phase = Phase::idle;
+  changed_.notify_all();
 }
 
 Status Recorder::write(RecordingFolder& folder, const Slot& slot) {

@@ -24,9 +24,10 @@ struct RecorderOptions {
   std::vector<std::size_t> pixels;
 };
 
-/// Turns frame sets back into captures, in a thread and with memory of its own. Whoever offers sets
-/// pays one copy of the pixels and never waits: when all memory is under way to the disk, the set
-/// is dropped and counted. start and stop from one thread, offer from another.
+/// Turns frame sets back into captures, in a thread and with memory of its own: whatever touches
+/// the disk happens there, the folder's making and the last sync included. Whoever offers sets pays
+/// one copy of the pixels and never waits: when all memory is under way to the disk, the set is
+/// dropped and counted.
 class Recorder {
  public:
   /// Sets under way at most: what a disk that stalls for a tenth of a second holds up at 30 Hz.
@@ -34,26 +35,35 @@ class Recorder {
   static constexpr Stamp kSyncPeriod = std::chrono::seconds(1);
 
   Recorder() = default;
+  /// Ends the recording and waits for it.
   ~Recorder();
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// Begins a recording in `folder`; one that runs is ended first.
-  [[nodiscard]] Status start(const std::filesystem::path& folder, const RecordingFacts& facts,
-                             const RecorderOptions& options);
-  /// Ends it, with all that was taken on the disk.
-  void stop();
+  enum class Phase { idle, starting, recording, stopping };
 
-  /// Takes every nth set's images; without a recording, nothing happens.
+  /// Has a recording begin in `folder`, or, where that is empty, in a new one of the facts'
+  /// archive; state() tells when it did, or why not. Only when idle.
+  void start(const std::filesystem::path& folder, const RecordingFacts& facts,
+             const RecorderOptions& options);
+  /// Has it end, with all that was taken on the disk; state() tells when.
+  void stop();
+  /// Waits while it starts or stops; false when it still does at `deadline`.
+  [[nodiscard]] bool settle(Stamp deadline) const;
+
+  /// Takes every nth set's images; without a recording, nothing happens. Any one thread.
   void offer(const FrameSetLease& set);
 
   struct State {
-    bool running = false;
-    std::filesystem::path folder;
+    Phase phase = Phase::idle;
+    std::filesystem::path folder;  ///< of the last recording; empty when it did not begin
+    std::uint64_t begun = 0;       ///< recordings since the start of the program
     std::uint64_t sets = 0;        ///< in the folder
     std::uint64_t bytes = 0;       ///< in the folder
     std::uint64_t drops = 0;       ///< sets not taken since the start of the program
-    std::optional<Error> failure;  ///< that ended the last recording
+    std::optional<Error> failure;  ///< that ended the last recording, or kept it from beginning
+    /// Whether the folder still grows.
+    [[nodiscard]] bool running() const { return phase != Phase::idle && !folder.empty(); }
   };
   [[nodiscard]] State state() const;
 
@@ -69,14 +79,20 @@ class Recorder {
     std::vector<Image> images;  ///< per camera
   };
 
-  void run(RecordingFolder folder);
+  /// The thread, from a recording's beginning to its end.
+  void run(const std::filesystem::path& folder, const RecordingFacts& facts);
+  void begin(const RecordingFolder& folder, std::size_t cameras);
+  [[nodiscard]] Status record(RecordingFolder& folder);
+  void end(const Status& how);
+  /// The next set to write: nullopt when a sync is due or, as `done` tells, none will come.
+  [[nodiscard]] std::optional<std::size_t> next_filled_slot(Stamp sync_due, bool& done);
   [[nodiscard]] Status write(RecordingFolder& folder, const Slot& slot);
   [[nodiscard]] std::optional<std::size_t> take_free_slot();
   static void copy(const FrameSetLease& set, Slot& slot);
 
   RecorderOptions options_;
   mutable std::mutex mutex_;  ///< of everything below but the slots' content
-  std::condition_variable work_;
+  mutable std::condition_variable changed_;
   std::vector<Slot> slots_;
   std::vector<std::size_t> free_;
   std::vector<std::size_t> filled_;  ///< oldest first; never longer than its capacity

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstring>
+#include <optional>
 
 #include "tests/support/temporary_folder.h"
 
@@ -26,6 +27,8 @@ class Client {
     EXPECT_EQ(::send(socket_.get(), text.data(), text.size(), MSG_NOSIGNAL),
               static_cast<ssize_t>(text.size()));
   }
+  /// As `echo start | socat - UNIX:…` does.
+  void say_nothing_more() const { EXPECT_EQ(::shutdown(socket_.get(), SHUT_WR), 0); }
   /// What has come so far; empty when the other side has closed or sent nothing.
   [[nodiscard]] std::string receive() const {
     std::array<char, 4096> buffer{};
@@ -37,7 +40,18 @@ class Client {
   Descriptor socket_;
 };
 
-std::string echo(std::string_view request) { return "ok " + std::string(request); }
+constexpr Stamp kNow = std::chrono::seconds(1);
+
+ControlSocket::Answer echo(std::string_view request) {
+  return [answer = "ok " + std::string(request)](Stamp /*now*/) { return answer; };
+}
+
+/// Answers when a second has passed.
+ControlSocket::Answer echo_later(std::string_view request) {
+  return [answer = "ok " + std::string(request)](Stamp now) {
+    return now < kNow + std::chrono::seconds(1) ? std::nullopt : std::optional(answer);
+  };
+}
 
 TEST(ControlSocket, AnswersALineWithALine) {
   const TemporaryFolder tmp;
@@ -45,11 +59,42 @@ TEST(ControlSocket, AnswersALineWithALine) {
   ASSERT_TRUE(socket) << socket.error().message;
   const Client client(tmp.path() / "control");
   client.send("sta");
-  socket->serve(echo);
+  socket->serve(echo, kNow);
   EXPECT_EQ(client.receive(), "");
   client.send("rt\r\nstop\n");
-  socket->serve(echo);
+  socket->serve(echo, kNow);
   EXPECT_EQ(client.receive(), "ok start\nok stop\n");
+}
+
+TEST(ControlSocket, AnAnswerMayTakeItsTimeAndHoldsUpNobodyElse) {
+  const TemporaryFolder tmp;
+  auto socket = ControlSocket::open(tmp.path() / "control");
+  ASSERT_TRUE(socket);
+  const Client patient(tmp.path() / "control");
+  patient.send("stop\nstart\n");
+  socket->serve(echo_later, kNow);
+  EXPECT_EQ(patient.receive(), "");
+  const Client quick(tmp.path() / "control");
+  quick.send("status\n");
+  socket->serve(echo, kNow);
+  EXPECT_EQ(quick.receive(), "ok status\n");
+  EXPECT_EQ(patient.receive(), "");
+  socket->serve(echo, kNow + std::chrono::seconds(1));
+  EXPECT_EQ(patient.receive(), "ok stop\nok start\n");
+}
+
+TEST(ControlSocket, WhoSaysNothingMoreIsStillAnswered) {
+  const TemporaryFolder tmp;
+  auto socket = ControlSocket::open(tmp.path() / "control");
+  ASSERT_TRUE(socket);
+  const Client client(tmp.path() / "control");
+  client.send("stop\n");
+  client.say_nothing_more();
+  socket->serve(echo_later, kNow);
+  socket->serve(echo_later, kNow);
+  EXPECT_EQ(client.receive(), "");
+  socket->serve(echo_later, kNow + std::chrono::seconds(1));
+  EXPECT_EQ(client.receive(), "ok stop\n");
 }
 
 TEST(ControlSocket, IsForOwnerAndGroup) {
@@ -69,7 +114,7 @@ TEST(ControlSocket, TakesThePlaceOfADeadOneAndGoesAtTheEnd) {
     ASSERT_TRUE(socket);
     const Client client(tmp.path() / "control");
     client.send("x\n");
-    socket->serve(echo);
+    socket->serve(echo, kNow);
     EXPECT_EQ(client.receive(), "ok x\n");
   }
   EXPECT_FALSE(std::filesystem::exists(tmp.path() / "control"));
@@ -81,14 +126,14 @@ TEST(ControlSocket, EndlessRequestsAndManyClientsHurtNobody) {
   ASSERT_TRUE(socket);
   const Client endless(tmp.path() / "control");
   endless.send(std::string(100'000, 'x'));
-  socket->serve(echo);
+  socket->serve(echo, kNow);
   std::vector<std::unique_ptr<Client>> crowd;
   for (int i = 0; i < 20; ++i) {
     crowd.push_back(std::make_unique<Client>(tmp.path() / "control"));
-    socket->serve(echo);
+    socket->serve(echo, kNow);
   }
   crowd.back()->send("still there\n");
-  socket->serve(echo);
+  socket->serve(echo, kNow);
   EXPECT_EQ(crowd.back()->receive(), "ok still there\n");
 }
 

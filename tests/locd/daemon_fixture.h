@@ -153,8 +153,9 @@ class DaemonTest : public testing::Test {
     return nullptr;
   }
 
-  [[nodiscard]] std::string request(const std::string& text) {
-    const Descriptor client(::socket(AF_UNIX, SOCK_STREAM, 0));
+  /// A line on the control socket; its answer comes with later turns.
+  [[nodiscard]] Descriptor ask(const std::string& text) const {
+    Descriptor client(::socket(AF_UNIX, SOCK_STREAM, 0));
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     std::strncpy(address.sun_path, (tmp_.path() / "control").c_str(), sizeof address.sun_path - 1);
@@ -162,10 +163,19 @@ class DaemonTest : public testing::Test {
     EXPECT_EQ(::connect(client.get(), reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
     const std::string line = text + "\n";
     EXPECT_EQ(::send(client.get(), line.data(), line.size(), 0), static_cast<ssize_t>(line.size()));
-    daemon_->turn(now_ += std::chrono::milliseconds(100));
+    return client;
+  }
+  /// What has come so far.
+  [[nodiscard]] static std::string answer_to(const Descriptor& client) {
     std::array<char, 4096> buffer{};
     const ssize_t got = ::recv(client.get(), buffer.data(), buffer.size(), MSG_DONTWAIT);
     return {buffer.data(), got > 0 ? static_cast<std::size_t>(got) : 0};
+  }
+  [[nodiscard]] std::string request(const std::string& text) {
+    const Descriptor client = ask(text);
+    std::string answer;
+    EXPECT_TRUE(turn_until([&] { return !(answer += answer_to(client)).empty(); }));
+    return answer;
   }
 
   TemporaryFolder tmp_;

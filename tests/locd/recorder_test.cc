@@ -7,6 +7,7 @@
 #include "core/capture/capture_folder.h"
 #include "core/capture/image_file.h"
 #include "drivers/monotonic_clock.h"
+#include "tests/support/disk_double.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -67,6 +68,20 @@ bool eventually(const std::function<bool()>& holds) {
   return true;
 }
 
+/// How the recording began.
+Status begin(Recorder& recorder, const std::filesystem::path& folder, const RecordingFacts& facts,
+             const RecorderOptions& options) {
+  recorder.start(folder, facts, options);
+  EXPECT_TRUE(recorder.settle(monotonic_now() + std::chrono::seconds(20)));
+  const auto failure = recorder.state().failure;
+  return failure ? tl::make_unexpected(*failure) : Status{};
+}
+
+void end(Recorder& recorder) {
+  recorder.stop();
+  EXPECT_TRUE(recorder.settle(monotonic_now() + std::chrono::seconds(20)));
+}
+
 /// Offers one set after the other, each as soon as the one before is on disk.
 void record(Recorder& recorder, int sets) {
   TwoCameras cameras;
@@ -74,16 +89,16 @@ void record(Recorder& recorder, int sets) {
     const std::uint64_t before = recorder.state().sets;
     recorder.offer(cameras.set(i));
     ASSERT_TRUE(
-        eventually([&] { return recorder.state().sets > before || !recorder.state().running; }));
+        eventually([&] { return recorder.state().sets > before || !recorder.state().running(); }));
   }
 }
 
 TEST(Recorder, RecordsThePixelsAndStampsOfASet) {
   const TemporaryFolder tmp;
   Recorder recorder;
-  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), options()));
+  ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), options()));
   record(recorder, 5);
-  recorder.stop();
+  end(recorder);
   const auto capture = open_capture_folder(tmp.path());
   ASSERT_TRUE(capture) << capture.error().message;
   ASSERT_EQ(capture->images.size(), 10U);
@@ -96,7 +111,7 @@ TEST(Recorder, RecordsThePixelsAndStampsOfASet) {
               std::vector<std::uint8_t>(std::size_t{64} * 48,
                                         static_cast<std::uint8_t>(10 * index + file.camera)));
   }
-  EXPECT_FALSE(recorder.state().running);
+  EXPECT_FALSE(recorder.state().running());
   EXPECT_FALSE(recorder.state().failure);
 }
 
@@ -105,9 +120,9 @@ TEST(Recorder, JpegIsACaptureToo) {
   Recorder recorder;
   RecorderOptions chosen = options();
   chosen.jpeg = true;
-  ASSERT_TRUE(recorder.start(tmp.path(), facts("jpeg"), chosen));
+  ASSERT_TRUE(begin(recorder, tmp.path(), facts("jpeg"), chosen));
   record(recorder, 2);
-  recorder.stop();
+  end(recorder);
   const auto capture = open_capture_folder(tmp.path());
   ASSERT_TRUE(capture) << capture.error().message;
   ASSERT_EQ(capture->images.size(), 4U);
@@ -125,11 +140,11 @@ TEST(Recorder, WhatNobodyRecordsCostsNothing) {
 TEST(Recorder, NeverWaitsForASlowDisk) {
   const TemporaryFolder tmp;
   Recorder recorder;
-  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), options()));
+  ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), options()));
   TwoCameras cameras;
   constexpr int kSets = 2000;
   for (int i = 0; i < kSets; ++i) recorder.offer(cameras.set(i % 20));  // faster than any disk
-  recorder.stop();
+  end(recorder);
   const auto state = recorder.state();
   EXPECT_GT(state.drops, 0U);
   EXPECT_LE(state.drops, kSets - Recorder::kSlots);
@@ -140,14 +155,14 @@ TEST(Recorder, EveryNthSetIsTaken) {
   Recorder recorder;
   RecorderOptions chosen = options();
   chosen.every_nth = 3;
-  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), chosen));
+  ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), chosen));
   TwoCameras cameras;
   for (int i = 0; i < 9; ++i) {
     recorder.offer(cameras.set(i));
     ASSERT_TRUE(
         eventually([&] { return recorder.state().sets == static_cast<std::uint64_t>(i / 3 + 1); }));
   }
-  recorder.stop();
+  end(recorder);
   EXPECT_EQ(open_capture_folder(tmp.path())->images.size(), 6U);
 }
 
@@ -156,17 +171,58 @@ TEST(Recorder, AFailureEndsTheRecordingAndIsSaid) {
   Recorder recorder;
   RecorderOptions chosen = options();
   chosen.budget.min_free_bytes = std::uint64_t{1} << 60;
-  ASSERT_TRUE(recorder.start(tmp.path(), facts("pgm"), chosen));
+  ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), chosen));
   TwoCameras cameras;
   recorder.offer(cameras.set(0));
-  ASSERT_TRUE(eventually([&] { return !recorder.state().running; }));
+  ASSERT_TRUE(eventually([&] { return !recorder.state().running(); }));
   ASSERT_TRUE(recorder.state().failure);
   for (int i = 0; i < 100; ++i) recorder.offer(cameras.set(i));  // no effect, no wait
-  EXPECT_FALSE(recorder.state().running);
+  EXPECT_FALSE(recorder.state().running());
   const TemporaryFolder other;
-  ASSERT_TRUE(recorder.start(other.path(), facts("pgm"), options()));
+  ASSERT_TRUE(begin(recorder, other.path(), facts("pgm"), options()));
   record(recorder, 1);
   EXPECT_EQ(recorder.state().sets, 1U);
+  EXPECT_FALSE(recorder.state().failure);
+}
+
+TEST(Recorder, ADiskThatStallsHoldsUpNobody) {
+  const TemporaryFolder tmp;
+  test::DiskDouble disk;
+  Recorder recorder;
+  disk.stall();
+  recorder.start(tmp.path() / "a", facts("pgm"), options());
+  ASSERT_TRUE(disk.holds_somebody(monotonic_now() + std::chrono::seconds(20)));
+  EXPECT_EQ(recorder.state().phase, Recorder::Phase::starting);
+  EXPECT_FALSE(recorder.settle(monotonic_now()));
+  disk.release();
+  ASSERT_TRUE(recorder.settle(monotonic_now() + std::chrono::seconds(20)));
+  ASSERT_EQ(recorder.state().phase, Recorder::Phase::recording);
+  disk.stall();
+  TwoCameras cameras;
+  for (int i = 0; i < 100; ++i) recorder.offer(cameras.set(i % 20));
+  recorder.stop();
+  ASSERT_TRUE(disk.holds_somebody(monotonic_now() + std::chrono::seconds(20)));
+  EXPECT_EQ(recorder.state().phase, Recorder::Phase::stopping);
+  disk.release();
+  ASSERT_TRUE(recorder.settle(monotonic_now() + std::chrono::seconds(20)));
+  EXPECT_EQ(open_capture_folder(tmp.path() / "a")->images.size(),
+            2 * (100 - recorder.state().drops));
+}
+
+TEST(Recorder, ARecordingThatIsStoppedBeforeItBeganIsNone) {
+  const TemporaryFolder tmp;
+  test::DiskDouble disk;
+  Recorder recorder;
+  disk.stall();
+  recorder.start(tmp.path(), facts("pgm"), options());
+  ASSERT_TRUE(disk.holds_somebody(monotonic_now() + std::chrono::seconds(20)));
+  recorder.stop();
+  TwoCameras cameras;
+  recorder.offer(cameras.set(0));
+  disk.release();
+  ASSERT_TRUE(recorder.settle(monotonic_now() + std::chrono::seconds(20)));
+  EXPECT_EQ(recorder.state().phase, Recorder::Phase::idle);
+  EXPECT_EQ(recorder.state().sets, 0U);
   EXPECT_FALSE(recorder.state().failure);
 }
 
@@ -179,9 +235,9 @@ TEST(Recorder, StartsAndStopsWhileSetsAreOffered) {
     for (int i = 0; !done; i = (i + 1) % 20) recorder.offer(cameras.set(i));
   });
   for (int i = 0; i < 20; ++i) {
-    EXPECT_TRUE(recorder.start(tmp.path() / std::to_string(i), facts("pgm"), options()));
+    EXPECT_TRUE(begin(recorder, tmp.path() / std::to_string(i), facts("pgm"), options()));
     EXPECT_TRUE(eventually([&] { return recorder.state().sets > 0; }));
-    recorder.stop();
+    end(recorder);
   }
   done = true;
   cameras_thread.join();
