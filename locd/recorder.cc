@@ -34,6 +34,7 @@ void Recorder::start(const std::filesystem::path& folder, const RecordingFacts& 
   const std::lock_guard lock(mutex_);
   WAYMARK_CHECK(state_.phase == Phase::idle);
   options_ = options;
+  next_budget_.reset();
   stopping_ = false;
   offered_ = 0;
   state_ = {Phase::starting, {}, state_.begun, 0, 0, state_.drops, std::nullopt};
@@ -46,6 +47,17 @@ void Recorder::stop() {
   stopping_ = true;
   state_.phase = Phase::stopping;
   changed_.notify_all();
+}
+
+void Recorder::set_budget(const RecordingBudget& budget) {
+  const std::lock_guard lock(mutex_);
+  next_budget_ = budget;
+}
+
+void Recorder::adopt_next_budget(RecordingFolder& folder) {
+  const std::lock_guard lock(mutex_);
+  if (next_budget_) folder.set_budget(*next_budget_);
+  next_budget_.reset();
 }
 
 bool Recorder::settle(Stamp deadline) const {
@@ -111,7 +123,8 @@ void Recorder::begin(const RecordingFolder& folder, std::size_t cameras) {
   std::vector<Slot> slots(kSlots, Slot{0, std::vector<Image>(cameras)});
   for (Slot& slot : slots) {
     for (std::size_t c = 0; c < options_.pixels.size(); ++c) {
-      slot.images[c].pixels.reserve(options_.pixels[c]);
+      // Written, for pages come with the first write: not while a pose is under way.
+      slot.images[c].pixels.assign(options_.pixels[c], 0);
     }
   }
   encoded_.resize(cameras);
@@ -132,6 +145,7 @@ Status Recorder::record(RecordingFolder& folder) {
   Status good;
   for (bool done = false; good && !done;) {
     if (const auto slot = next_filled_slot(sync_due, done)) {
+      adopt_next_budget(folder);
       good = write(folder, slots_[*slot]);
       const std::lock_guard lock(mutex_);
       free_.push_back(*slot);

@@ -48,6 +48,8 @@ class Recorder {
              const RecorderOptions& options);
   /// Has it end, with all that was taken on the disk; state() tells when.
   void stop();
+  /// What the recording may take from its next set on.
+  void set_budget(const RecordingBudget& budget);
   /// Waits while it starts or stops; false when it still does at `deadline`.
   [[nodiscard]] bool settle(Stamp deadline) const;
 
@@ -87,6 +89,7 @@ class Recorder {
   /// The next set to write: nullopt when a sync is due or, as `done` tells, none will come.
   [[nodiscard]] std::optional<std::size_t> next_filled_slot(Stamp sync_due, bool& done);
   [[nodiscard]] Status write(RecordingFolder& folder, const Slot& slot);
+  void adopt_next_budget(RecordingFolder& folder);
   [[nodiscard]] std::optional<std::size_t> take_free_slot();
   static void copy(const FrameSetLease& set, Slot& slot);
 
@@ -96,6 +99,7 @@ class Recorder {
   std::vector<Slot> slots_;
   std::vector<std::size_t> free_;
   std::vector<std::size_t> filled_;  ///< oldest first; never longer than its capacity
+  std::optional<RecordingBudget> next_budget_;
   bool stopping_ = false;
   std::uint64_t offered_ = 0;
   State state_;

@@ -1,6 +1,7 @@
 #include "locd/recorder.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <functional>
 
@@ -224,6 +225,52 @@ TEST(Recorder, ARecordingThatIsStoppedBeforeItBeganIsNone) {
   EXPECT_EQ(recorder.state().phase, Recorder::Phase::idle);
   EXPECT_EQ(recorder.state().sets, 0U);
   EXPECT_FALSE(recorder.state().failure);
+}
+
+/// Pages that this thread has touched for the first time since it began.
+long faults() {
+  rusage used{};
+  ::getrusage(RUSAGE_THREAD, &used);
+  return used.ru_minflt;
+}
+
+TEST(Recorder, TheFirstSetsFindTheirMemoryThere) {
+  constexpr int kSide_px = 1024;
+  constexpr long kPages = long{kSide_px} * kSide_px / 4096;
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  RecorderOptions chosen = options();
+  chosen.pixels = {std::size_t{kSide_px} * kSide_px, std::size_t{kSide_px} * kSide_px};
+  ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), chosen));
+  const std::vector<std::uint8_t> pixels(std::size_t{kSide_px} * kSide_px, 7);
+  FrameSetLease lease;
+  lease.expected = lease.cameras = 0b11;
+  for (std::size_t c = 0; c < 2; ++c) {
+    FrameInfo info;
+    info.stamp = kStart;
+    lease.frames[c] =
+        Frame(info, {pixels.data(), kSide_px, kSide_px, kSide_px}, nullptr, nullptr, 0);
+  }
+  const long before = faults();
+  recorder.offer(lease);
+  EXPECT_LT(faults() - before, kPages / 10);
+  end(recorder);
+  EXPECT_EQ(recorder.state().sets, 1U);
+}
+
+TEST(Recorder, ABudgetHoldsFromTheNextSetOn) {
+  const TemporaryFolder tmp;
+  Recorder recorder;
+  ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), options()));
+  record(recorder, 5);  // a second apart
+  EXPECT_EQ(recorder.state().sets, 5U);
+  RecordingBudget budget = options().budget;
+  budget.keep = std::chrono::seconds(2);
+  recorder.set_budget(budget);
+  TwoCameras cameras;
+  recorder.offer(cameras.set(5));
+  EXPECT_TRUE(eventually([&] { return recorder.state().sets == 3; }));  // of 3, 4 and 5
+  end(recorder);
 }
 
 TEST(Recorder, StartsAndStopsWhileSetsAreOffered) {
