@@ -15,6 +15,7 @@
 #include "locd/camera_sources.h"
 #include "locd/instance_lock.h"
 #include "locd/realtime.h"
+#include "locd/recorder.h"
 
 namespace waymark {
 namespace {
@@ -46,9 +47,10 @@ std::optional<DeviceMonitor> open_device_monitor() {
 }
 
 /// What detecting markers in all of the rig's images takes (bytes): OpenCV's own images and lists,
-/// measured at 9 to 11 bytes a pixel of a set, and some room.
+/// measured at 9 to 11 bytes a pixel of a set, and some room; and what a recording takes, its sets
+/// under way and one encoded.
 std::size_t heap_needed(const Rig& rig) {
-  constexpr std::size_t kBytesPerPixel = 13;
+  constexpr std::size_t kBytesPerPixel = 13 + Recorder::kSlots + 1;
   std::size_t pixels = 0;
   for (const RigCamera& camera : rig.cameras) {
     const CameraParameters& size = camera.model.parameters();
