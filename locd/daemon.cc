@@ -256,7 +256,10 @@ void Daemon::Parts::look_at_recorder(Stamp now) {
   if (state.begun != recordings_told) {
     recordings_told = state.begun;
     end_told = false;
-    tell("recording to " + folder, false);
+    constexpr const char* kNoMarkers =
+        " without markers.toml: mapbuilder reads it once one of the markers' families and sizes is "
+        "copied there; set [record] markers to such a file for recordings to have it";
+    tell("recording to " + folder + (setup.markers_toml.empty() ? kNoMarkers : ""), false);
   }
   if (end_told || state.phase != Recorder::Phase::idle) return;
   end_told = true;
@@ -317,6 +320,7 @@ Status Daemon::Parts::swap(Setup next) {
   quarantine = {map.map_hash, quarantine_file->of_map(map.map_hash)};
   setup = std::move(next);
   localization.swap_map(std::move(map));
+  recorder.set_budget(recording_budget(setup.config.record));
   return {};
 }
 
