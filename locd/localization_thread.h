@@ -3,12 +3,12 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/base/priority_mutex.h"
 #include "locd/localizer.h"
 #include "locd/rig_capture.h"
 #include "locd/set_pacer.h"
@@ -81,7 +81,7 @@ class LocalizationThread {
   SetPacer pacer_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> forget_motion_{false};
-  mutable std::mutex mutex_;  ///< of everything below; held for copies only
+  mutable PriorityMutex mutex_;  ///< of everything below; held for copies only
   std::optional<MapInUse> next_map_;
   std::optional<MapInUse> replaced_map_;
   std::vector<Alert> alerts_;

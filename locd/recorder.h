@@ -1,12 +1,11 @@
 #pragma once
 
-#include <condition_variable>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "core/base/priority_mutex.h"
 #include "locd/frame_synchronizer.h"
 #include "locd/recording_folder.h"
 
@@ -94,8 +93,8 @@ class Recorder {
   static void copy(const FrameSetLease& set, Slot& slot);
 
   RecorderOptions options_;
-  mutable std::mutex mutex_;  ///< of everything below but the slots' content
-  mutable std::condition_variable changed_;
+  mutable PriorityMutex mutex_;  ///< of everything below but the slots' content
+  mutable PriorityCondition changed_;
   std::vector<Slot> slots_;
   std::vector<std::size_t> free_;
   std::vector<std::size_t> filled_;  ///< oldest first; never longer than its capacity

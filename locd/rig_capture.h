@@ -1,12 +1,11 @@
 #pragma once
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <thread>
 #include <vector>
 
+#include "core/base/priority_mutex.h"
 #include "drivers/frame_source.h"
 #include "locd/frame_synchronizer.h"
 #include "locd/stamp_guard.h"
@@ -73,8 +72,8 @@ class RigCapture {
   /// False when it shall stop; `duration` is what to wait for the next time.
   bool pause(Camera& camera, Stamp& duration, std::uint64_t retries_seen);
 
-  mutable std::mutex mutex_;
-  std::condition_variable changed_;
+  mutable PriorityMutex mutex_;
+  PriorityCondition changed_;
   std::vector<Camera> cameras_;
   FrameSynchronizer synchronizer_;
   std::optional<FrameSetLease> newest_;

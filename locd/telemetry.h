@@ -2,10 +2,10 @@
 
 #include <array>
 #include <cstdint>
-#include <mutex>
 #include <string>
 #include <waymark/status_t.hpp>
 
+#include "core/base/priority_mutex.h"
 #include "locd/clock_offset.h"
 #include "locd/config.h"
 #include "locd/lcm_publisher.h"
@@ -62,7 +62,7 @@ class Telemetry {
   const bool publish_detections_;
   const std::string pose_channel_;
   const std::string detections_channel_;
-  mutable std::mutex mutex_;
+  mutable PriorityMutex mutex_;
   SessionFacts session_;
   ClockOffset clock_;
   const Stamp started_;
