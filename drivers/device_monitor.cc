@@ -8,6 +8,18 @@
 
 namespace waymark {
 
+namespace {
+
+/// `failed`: minus an errno, as systemd's library says it.
+tl::unexpected<Error> no_word(int failed) {
+  return fail(ErrorKind::unavailable,
+              "no word of devices that are plugged in: {}; those that are absent are tried for "
+              "every few seconds",
+              std::error_code(-failed, std::generic_category()).message());
+}
+
+}  // namespace
+
 struct DeviceMonitor::Parts {
   sd_event* event = nullptr;
   sd_device_monitor* monitor = nullptr;
@@ -41,17 +53,16 @@ Expected<DeviceMonitor> DeviceMonitor::open() {
   if (failed >= 0) failed = ::sd_device_monitor_attach_event(parts.monitor, parts.event);
   if (failed >= 0) failed = ::sd_device_monitor_start(parts.monitor, &Parts::hear, &parts);
   if (failed >= 0) return opened;
-  return fail(ErrorKind::unavailable,
-              "no word of devices that are plugged in: {}; those that are absent are tried for "
-              "every few seconds",
-              std::error_code(-failed, std::generic_category()).message());
+  return no_word(failed);
 }
 
 int DeviceMonitor::descriptor() const { return ::sd_event_get_fd(parts_->event); }
 
-bool DeviceMonitor::device_came() {
+Expected<bool> DeviceMonitor::device_came() {
   parts_->came = false;
-  while (::sd_event_run(parts_->event, 0) > 0) continue;
+  int heard = 1;
+  while (heard > 0) heard = ::sd_event_run(parts_->event, 0);
+  if (heard < 0) return no_word(heard);
   return parts_->came;
 }
 

@@ -15,8 +15,9 @@ class DeviceMonitor {
   /// Readable when there may be something to hear.
   [[nodiscard]] int descriptor() const;
 
-  /// Whether a video device has come since the last call. Never waits.
-  [[nodiscard]] bool device_came();
+  /// Whether a video device has come since the last call. Never waits. unavailable when the system
+  /// fails to tell: the descriptor may then stay readable, so close the monitor.
+  [[nodiscard]] Expected<bool> device_came();
 
  private:
   struct Parts;

@@ -64,7 +64,17 @@ int report_failure(const Error& error) {
   return error.exit_code();
 }
 
-/// Turns until a signal, or a camera that can't be meant, ends it.
+/// Tells the daemon of devices that have come. A monitor that fails is closed, and that is said.
+void hear(std::optional<DeviceMonitor>& monitor, Daemon& daemon) {
+  const auto came = monitor->device_came();
+  if (came && *came) daemon.devices_came();
+  if (came) return;
+  fmt::print(stderr, "note: {}\n", came.error().message);
+  monitor.reset();
+}
+
+/// Turns until a signal, or a camera that can't be meant, ends it; at once when somebody comes with
+/// a request.
 Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor) {
   for (Stamp due = monotonic_now();; due += kTurn) {
     daemon.turn(monotonic_now());
@@ -76,7 +86,8 @@ Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor)
                           {monitor ? monitor->descriptor() : -1, POLLIN, 0}};
       const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
       if (::poll(watched, 3, static_cast<int>(left_ms)) <= 0) continue;
-      if (monitor && monitor->device_came()) daemon.devices_came();
+      if (watched[1].revents != 0) due = monotonic_now() - kTurn;
+      if (watched[2].revents != 0) hear(monitor, daemon);
       signalfd_siginfo signal{};
       while (::read(signals, &signal, sizeof signal) == sizeof signal) {
         if (signal.ssi_signo != SIGHUP) return {};
