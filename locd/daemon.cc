@@ -191,8 +191,7 @@ void Daemon::Parts::look_at_cameras(Stamp now) {
   pass_on(report.camera_alerts(cameras, now, grace), now);
   for (const std::string& line : report.camera_news(cameras)) log.event(line, line, now);
   if (!ready && !refusal) refusal = report.misconfiguration(cameras);
-  bool all_run = true;
-  for (const auto& camera : cameras) all_run = all_run && camera.running;
+  const bool all_run = report.all_run();
   const auto waited = std::chrono::duration<double>(now - started).count();
   if (!ready && !refusal && (all_run || waited >= setup.config.service.startup_wait_s)) {
     ready = true;
@@ -222,7 +221,7 @@ void Daemon::Parts::publish_status(Stamp now) {
   status.recorded_bytes = static_cast<std::int64_t>(recording.bytes);
   status.recorder_drops = static_cast<std::int64_t>(recording.drops);
   status.map_hash = telemetry.session().map_hash;
-  status.text = StatusReport::text(status, cameras);
+  status.text = StatusReport::text(status);
   telemetry.publish_status(status, now);
   if (ready) notifier.status(status.text);
   if (!telemetry.connected()) {

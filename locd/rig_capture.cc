@@ -13,7 +13,6 @@ constexpr Stamp kFirstPause = std::chrono::milliseconds(100);
 constexpr Stamp kLongestPause = std::chrono::seconds(5);
 /// A waiting camera's loop turns at least this often.
 constexpr Stamp kTurn = std::chrono::milliseconds(200);
-constexpr Stamp kAlive = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -173,7 +172,6 @@ bool RigCapture::ended() const {
 RigCapture::CameraState RigCapture::state(std::size_t camera) const {
   const std::lock_guard lock(mutex_);
   CameraState state = cameras_[camera].state;
-  state.running = state.frames > 0 && monotonic_now() - state.last_frame < kAlive;
   const DropCounts& by_stamps = synchronizer_.dropped(camera);
   for (std::size_t r = 0; r < kDropReasons; ++r) state.dropped[r] += by_stamps[r];
   return state;

@@ -40,9 +40,8 @@ class RigCapture {
 
   /// What a status message says of a camera.
   struct CameraState {
-    bool running = false;  ///< started, and delivered within the last second
-    Stamp last_frame{0};   ///< arrival
-    Stamp last_turn{0};    ///< when its loop last turned: a watchdog's food
+    Stamp last_frame{0};  ///< arrival
+    Stamp last_turn{0};   ///< when its loop last turned: a watchdog's food
     std::uint64_t frames = 0;
     std::uint64_t damaged = 0;
     std::uint64_t lost = 0;  ///< frames that the device took and nobody got

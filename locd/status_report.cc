@@ -15,8 +15,8 @@ double rate_hz(std::uint64_t count, Stamp interval) {
   return seconds > 0 ? static_cast<double>(count) / seconds : 0;
 }
 
-std::int8_t state_of(const RigCapture::CameraState& camera) {
-  if (camera.running) return camera_status_t::STREAMING;
+std::int8_t state_of(const RigCapture::CameraState& camera, bool running) {
+  if (running) return camera_status_t::STREAMING;
   if (!camera.error.empty()) return camera_status_t::LOST;
   return camera.frames == 0 ? camera_status_t::WAITING : camera_status_t::STALLED;
 }
@@ -27,9 +27,9 @@ StatusReport::StatusReport(const Rig& rig) {
   for (const RigCamera& camera : rig.cameras) cameras_.emplace_back().name = camera.name;
 }
 
-void StatusReport::judge(std::vector<RigCapture::CameraState>& states, Stamp now) {
+void StatusReport::judge(const std::vector<RigCapture::CameraState>& states, Stamp now) {
   for (std::size_t c = 0; c < states.size(); ++c) {
-    RigCapture::CameraState& state = states[c];
+    const RigCapture::CameraState& state = states[c];
     Memory& memory = cameras_[c];
     const std::uint64_t came = state.frames - memory.frames_judged;
     if (came > 0) {
@@ -39,9 +39,13 @@ void StatusReport::judge(std::vector<RigCapture::CameraState>& states, Stamp now
       memory.frames_judged = state.frames;
       memory.last_frame = state.last_frame;
     }
-    state.running =
+    memory.running =
         state.frames > 0 && now - state.last_frame < std::max(kAlive, 3 * memory.period);
   }
+}
+
+bool StatusReport::all_run() const {
+  return std::all_of(cameras_.begin(), cameras_.end(), [](const Memory& c) { return c.running; });
 }
 
 std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::CameraState>& states,
@@ -60,7 +64,7 @@ std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::Cam
       alerts.push_back(alert);
     };
     const bool may_still_come = states[c].frames == 0 && now - *first_look_ < grace;
-    tell(AlertKind::camera_missing, cameras_[c].missing, !states[c].running && !may_still_come);
+    tell(AlertKind::camera_missing, cameras_[c].missing, !cameras_[c].running && !may_still_come);
     tell(AlertKind::stamps_unsynced, cameras_[c].unsynced, states[c].unsynced);
   }
   return alerts;
@@ -109,7 +113,7 @@ void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
     damaged += state.damaged;
     lost += state.lost;
     camera.name = cameras_[c].name;
-    camera.state = state_of(state);
+    camera.state = state_of(state, cameras_[c].running);
     camera.usable = static_cast<std::int8_t>((counts.unhealthy & camera_bit(c)) == 0);
     camera.rate_hz = rate_hz(state.frames - cameras_[c].frames_filled, interval);
     camera.frames = static_cast<std::int64_t>(state.frames);
@@ -139,18 +143,17 @@ void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
   last_sets_ = counts.sets;
 }
 
-std::string StatusReport::text(const status_t& status,
-                               const std::vector<RigCapture::CameraState>& states) {
+std::string StatusReport::text(const status_t& status) {
   std::string line = fmt::format("{:.1f} frame sets/s", status.set_rate_hz);
   if (status.set_divisor > 1) {
     line += fmt::format(", overloaded: one of {} localized", status.set_divisor);
   }
   if (status.map_hash.empty()) line += "; no map";
   if (status.recording != 0) line += fmt::format("; recording to {}", status.recording_path);
-  for (std::size_t c = 0; c < states.size(); ++c) {
-    if (states[c].running) continue;
-    line += fmt::format("; {} missing{}{}", status.cameras[c].name,
-                        states[c].error.empty() ? "" : ": ", states[c].error);
+  for (const camera_status_t& camera : status.cameras) {
+    if (camera.state == camera_status_t::STREAMING) continue;
+    line += fmt::format("; {} missing{}{}", camera.name, camera.error.empty() ? "" : ": ",
+                        camera.error);
   }
   if (!status.reload_refused.empty()) line += "; reload refused: " + status.reload_refused;
   return line;

@@ -16,9 +16,10 @@ class StatusReport {
  public:
   explicit StatusReport(const Rig& rig);
 
-  /// Corrects `running` for slow cameras: one runs that delivered within a second, or within three
-  /// of its own periods.
-  void judge(std::vector<RigCapture::CameraState>& states, Stamp now);
+  /// Finds which cameras run: those that delivered within a second, or within three of their own
+  /// periods.
+  void judge(const std::vector<RigCapture::CameraState>& states, Stamp now);
+  [[nodiscard]] bool all_run() const;
 
   /// Raised or over: a camera whose stamps can't be believed; one that delivers nothing for a
   /// second. A camera that never delivered is missing from `grace` after the first look on.
@@ -39,14 +40,14 @@ class StatusReport {
             const LocalizationThread::Counts& counts, Stamp interval, status_t& status);
 
   /// One line: "OK at 29.9 Hz; cam1 missing: no such device".
-  [[nodiscard]] static std::string text(const status_t& status,
-                                        const std::vector<RigCapture::CameraState>& states);
+  [[nodiscard]] static std::string text(const status_t& status);
 
  private:
   struct Memory {
     std::string name;
     std::string description;
     std::string error;
+    bool running = false;
     bool missing = false;
     bool unsynced = false;
     std::uint64_t frames_judged = 0;

@@ -110,8 +110,11 @@ TEST(StatusReport, StampsThatAreNotBelievedAreAnAlertUntilTheyAre) {
 
 TEST(StatusReport, ASlowCameraIsNotMissingBetweenItsFrames) {
   Machine machine(milliseconds(1300));
+  EXPECT_FALSE(machine.report().all_run());
   EXPECT_TRUE(machine.run(seconds(30), true).empty());
+  EXPECT_TRUE(machine.report().all_run());
   EXPECT_EQ(machine.run(seconds(5), false).size(), 1U);
+  EXPECT_FALSE(machine.report().all_run());
 }
 
 TEST(StatusReport, ACameraThatNeverCameIsMissingAfterAWhile) {
@@ -149,7 +152,8 @@ TEST(StatusReport, CountsRatesAndDrops) {
   EXPECT_EQ(drops("overload"), 5);
   EXPECT_EQ(status.drop_count, static_cast<std::int32_t>(status.drops.size()));
   machine.run(seconds(3), false);
-  EXPECT_THAT(StatusReport::text(status, machine.states()),
+  machine.report().fill(machine.states(), counts, seconds(3), status);
+  EXPECT_THAT(StatusReport::text(status),
               testing::AllOf(testing::HasSubstr("one of 2 localized"),
                              testing::HasSubstr("cam1 missing: no such device")));
 }
