@@ -4,9 +4,11 @@
 Usage: kill_while_recording.py LOCD MAPBUILDER SIMULATOR [TIMES]
 
 Every frame that frames.csv lists is there and whole, at most one set's images lie beside them, and at
-most one image was being written.
+most one image was being written. Every fourth recording goes on with the one before in a ring of one
+second: what it lists and lacks is older than all that is there, and less than half of the list.
 """
 
+import math
 import os
 import pathlib
 import random
@@ -25,6 +27,7 @@ deadline_ms = 40
 url = "memq://"
 [record]
 codec = "{codec}"
+keep_s = {keep_s}
 min_free_bytes = 0
 """
 CAMERA = '[[camera]]\nname = "cam{}"\ndriver = "replay"\ndevice = "room"\n'
@@ -55,15 +58,20 @@ def kill_once(locd, folder, capture, moment_s):
     process.wait()
 
 
-def judge(mapbuilder, capture):
+def judge(mapbuilder, capture, ring):
     """What is wrong with the capture; empty: nothing."""
+    # What a kill left unfinished goes as the ring does; kills are about as far apart as it is long.
+    unfinished = 2 if ring else 1
     rows = [line.split(",") for line in (capture / "frames.csv").read_text(encoding="utf-8").splitlines()[1:]]
     for camera in ("cam0", "cam1", "cam2"):
         recorded = {row[1] for row in rows if row[0] == camera}
         there = {f.stem for f in (capture / camera).iterdir() if not f.name.startswith(".")}
-        if recorded - there:
+        deleted = {t for t in recorded - there if ring and int(t) < min(map(int, there), default=math.inf)}
+        if recorded - there - deleted:
             return f"{camera} lacks {len(recorded - there)} frames that were recorded"
-        if len(there - recorded) > 1:
+        if len(deleted) > len(recorded) / 2 + 1:
+            return f"{camera} lists {len(deleted)} deleted frames among {len(recorded)}"
+        if len(there - recorded) > unfinished:
             return f"{camera} has {len(there - recorded)} frames of sets that were not finished"
     halves = [f for f in capture.rglob(".*.part")]
     if len(halves) > 1:
@@ -86,11 +94,13 @@ def main():
         cameras = "".join(CAMERA.format(c) for c in range(3))
         bad = 0
         for i in range(times):
+            ring = i % 4 == 2
             (folder / "locd.toml").write_text(
-                CONFIG.format(cameras=cameras, codec="pgm" if i % 2 == 0 else "jpeg"), encoding="utf-8")
-            capture = folder / f"recording{i}"
-            kill_once(locd, folder, capture, moments.uniform(0, 0.4))
-            wrong = judge(mapbuilder, capture)
+                CONFIG.format(cameras=cameras, codec="pgm" if i % 2 == 0 else "jpeg", keep_s=1 if ring else 1e6),
+                encoding="utf-8")
+            capture = folder / ("ring" if ring else f"recording{i}")
+            kill_once(locd, folder, capture, moments.uniform(0, 2.5 if ring else 0.4))
+            wrong = judge(mapbuilder, capture, ring)
             if wrong:
                 print(f"kill {i}: {wrong}")
                 bad += 1
