@@ -343,9 +343,12 @@ Status Daemon::stop(Stamp patience) {
   }
   const auto left = [&] { return deadline - monotonic_now(); };
   if (p.ended.wait_for(left()) != std::future_status::ready) {
-    const bool recorded = p.recorder.settle(deadline);
-    return fail(ErrorKind::unavailable, "{}{} does not return; ending without", p.ending.load(),
-                recorded ? "" : ", nor the disk with the recording,");
+    if (p.recorder.settle(deadline)) {
+      return fail(ErrorKind::unavailable, "{} does not return; ending without", p.ending.load());
+    }
+    return fail(ErrorKind::unavailable,
+                "neither {} nor the disk with the recording returns; ending without",
+                p.ending.load());
   }
   if (!p.recorder.settle(deadline)) {
     return fail(ErrorKind::unavailable, "the disk does not take the recording; ending without");

@@ -11,6 +11,21 @@ ControlSocket::Answer at_once(std::string answer) {
   return [answer = std::move(answer)](Stamp /*now*/) { return answer; };
 }
 
+/// Empty when one can.
+std::string why_none_can_start(const Recorder::State& state) {
+  switch (state.phase) {
+    case Phase::idle:
+      return "";
+    case Phase::starting:
+      return "a recording is just starting";
+    case Phase::recording:
+      return "already recording to " + state.folder.string();
+    case Phase::stopping:
+      return "the recording before is not on the disk yet";
+  }
+  return "";
+}
+
 /// Whether the recording that was asked for has begun.
 std::optional<std::string> how_it_began(const Recorder::State& state) {
   if (state.failure) return "error: " + state.failure->message;
@@ -83,11 +98,9 @@ std::string RecordingControl::status() const {
 }
 
 ControlSocket::Answer RecordingControl::start(Stamp now) {
-  const Recorder::State before = recorder_.state();
-  if (before.running()) {
-    return at_once("error: already recording to " + before.folder.string());
+  if (const auto why = why_none_can_start(recorder_.state()); !why.empty()) {
+    return at_once("error: " + why);
   }
-  if (before.phase != Phase::idle) return at_once("error: a recording is just starting");
   const RecordingPlan plan = plan_();
   recorder_.start({}, plan.facts, plan.options);
   return [this, archive = plan.facts.archive.string(), until = now + kPatience](Stamp later) {

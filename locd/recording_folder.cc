@@ -47,6 +47,18 @@ std::string capture_toml(const RecordingFacts& facts) {
       facts.session_id, tolerance_us, facts.codec, kRecordedByLocd, facts.version);
 }
 
+/// Whether nothing is there yet but what a kill left of the first files, or a recording of locd's
+/// with this rig.
+bool may_record_in(const fs::path& folder, const std::string& rig_yaml) {
+  bool empty = true;
+  walk_folder<fs::directory_iterator>(folder, [&](const fs::directory_entry& entry) {
+    empty = empty && entry.path().filename().string().starts_with('.');
+  });
+  if (empty || !recorded_by_locd(folder)) return empty;
+  const auto earlier = read_file(folder / "rig.yaml");
+  return earlier ? *earlier == rig_yaml : earlier.error().kind == ErrorKind::no_input;
+}
+
 }  // namespace
 
 RecordingFolder::RecordingFolder(fs::path path, const RecordingFacts& facts,
@@ -67,16 +79,12 @@ Expected<RecordingFolder> RecordingFolder::open(const fs::path& path, const Reco
     return fail(creation_error(), "{}: can't create: {}", path.string(), system_reason());
   }
   RecordingFolder folder(path, facts, budget);
-  const bool empty = fs::is_empty(path, failed);
-  if (!failed && !empty) {
-    const auto earlier = read_file(path / "rig.yaml");
-    if (!earlier || *earlier != facts.rig_yaml || !recorded_by_locd(path)) {
-      return fail(
-          ErrorKind::cant_create,
-          "{}: can't record here: it is not empty, and no recording of locd's with this rig; name "
-          "another folder",
-          path.string());
-    }
+  if (!may_record_in(path, facts.rig_yaml)) {
+    return fail(
+        ErrorKind::cant_create,
+        "{}: can't record here: it is not empty, and no recording of locd's with this rig; name "
+        "another folder",
+        path.string());
   }
   if (auto written = folder.write_texts(facts); !written) {
     return tl::make_unexpected(written.error());
@@ -88,9 +96,10 @@ Expected<RecordingFolder> RecordingFolder::open(const fs::path& path, const Reco
 }
 
 Status RecordingFolder::write_texts(const RecordingFacts& facts) {
-  const std::pair<const char*, const std::string> texts[] = {{"rig.yaml", facts.rig_yaml},
-                                                             {"markers.toml", facts.markers_toml},
-                                                             {"capture.toml", capture_toml(facts)}};
+  // By the first the folder is known as locd's own.
+  const std::pair<const char*, const std::string> texts[] = {{"capture.toml", capture_toml(facts)},
+                                                             {"rig.yaml", facts.rig_yaml},
+                                                             {"markers.toml", facts.markers_toml}};
   for (const auto& [name, text] : texts) {
     if (text.empty()) continue;
     if (auto written = write_file_atomically(path_ / name, text); !written) return written;

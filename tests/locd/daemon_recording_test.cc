@@ -59,6 +59,7 @@ TEST_F(DaemonTest, ADiskThatStallsHoldsUpNeitherWatchdogNorPosesNorAnswers) {
   ASSERT_TRUE(turn_until(held));
   EXPECT_TRUE(goes_on());
   EXPECT_EQ(request("status"), "ok starting\n");
+  EXPECT_THAT(request("start"), StartsWith("error: "));
   EXPECT_EQ(answer_to(begins), "");
   disk.release();
   std::string folder;
@@ -69,6 +70,7 @@ TEST_F(DaemonTest, ADiskThatStallsHoldsUpNeitherWatchdogNorPosesNorAnswers) {
   ASSERT_TRUE(turn_until(held));
   EXPECT_TRUE(goes_on());
   EXPECT_EQ(request("status"), "ok stopping\n");
+  EXPECT_THAT(request("start"), StartsWith("error: "));
   EXPECT_EQ(answer_to(ends), "");
   disk.release();
   std::string ended;

@@ -234,6 +234,18 @@ TEST(RecordingFolder, GoesOnWhereItWasAfterARestart) {
   EXPECT_EQ(images_in(tmp.path()), 8U);
 }
 
+TEST(RecordingFolder, GoesOnWhereAKillLeftItInItsFirstMoment) {
+  const TemporaryFolder tmp;
+  tmp.write("a/.capture.toml.k7Dq2x", "clock = ");
+  ASSERT_TRUE(RecordingFolder::open(tmp.path() / "a", facts(), generous()));
+  std::filesystem::remove(tmp.path() / "a/rig.yaml");
+  std::filesystem::remove(tmp.path() / "a/markers.toml");
+  auto folder = RecordingFolder::open(tmp.path() / "a", facts(), generous());
+  ASSERT_TRUE(folder) << folder.error().message;
+  ASSERT_TRUE(folder->write_set(set_at(kStart)));
+  EXPECT_EQ(images_in(tmp.path() / "a"), 2U);
+}
+
 TEST(RecordingFolder, NeverWritesIntoSomethingElse) {
   const TemporaryFolder tmp;
   tmp.write("holiday.jpg", "x");
