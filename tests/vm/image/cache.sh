@@ -1,4 +1,4 @@
-# Stages in a folder that outlives builds. Sourced by build.
+# Stages in a folder that outlives builds. Sourced by build, which holds the folder's lock.
 
 cache=${WAYMARK_VM_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/waymark-vm}
 
@@ -13,11 +13,11 @@ cached() {
     local begun=$SECONDS
     rm -rf "$folder.part"
     mkdir -p "$folder.part"
-    OUT=$folder.part bash -euo pipefail "$script" >"$cache/$stage.log" 2>&1 || {
+    OUT=$folder.part bash -euo pipefail -O inherit_errexit "$script" >"$cache/$stage.log" 2>&1 || {
       { echo "vm image: $(basename "$script") failed; the end of $cache/$stage.log:"; tail -25 "$cache/$stage.log"; } >&2
       return 69
     }
-    mv "$folder.part" "$folder"
+    mv -T "$folder.part" "$folder"
     echo "vm image: $stage made in $((SECONDS - begun)) s" >&2
   fi
   touch "$folder"

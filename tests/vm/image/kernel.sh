@@ -5,7 +5,11 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 cd "$work"
-apt-get download -qq -o APT::Sandbox::User=root "linux-image-$KERNEL_RELEASE=$KERNEL_VERSION"
+apt-get download -qq -o APT::Sandbox::User=root "linux-image-$KERNEL_RELEASE=$KERNEL_VERSION" || {
+  echo "the archive no longer holds the kernel of the installed headers, $KERNEL_VERSION:" \
+       "apt-get update && apt-get install linux-headers-amd64"
+  exit 1
+}
 mkdir unpacked
 # Only what is used: modules of sound, network cards, disks … are most of the package.
 dpkg-deb --fsys-tarfile linux-image-*.deb |
