@@ -23,6 +23,7 @@ import package
 import poses
 import service_faults
 import starting
+from hearing import PATIENCE
 from inputs import make_inputs
 from world import load
 
@@ -63,15 +64,20 @@ def start(world):
     (world.share / "bin").mkdir()
     for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture"):
         shutil.copy(world.paths[tool], world.share / "bin")
+    wait_for_boot(world)
+    say("guest up")
+
+
+def wait_for_boot(world):
+    deadline = time.monotonic() + BOOT_S * PATIENCE
     while True:
         try:
             print(world.guest.check("systemctl is-system-running --wait; cut -d' ' -f1 /proc/uptime", BOOT_S))
-            break
+            return
         except OSError:  # QEMU has not opened its sockets yet
-            if not world.machine.is_running():
+            if time.monotonic() > deadline or not world.machine.is_running():
                 raise
             time.sleep(0.2)
-    say("guest up")
 
 
 def end(world):
@@ -104,6 +110,7 @@ def main():
         print("\nThe guest's console ends with:\n" + world.machine.last_words())
         try:
             print("\nlocd's log ends with:\n" + world.locd.journal())
+            world.locd.stop()  # The next one begins anew, with a configuration of its own.
         except Exception as unreachable:  # pylint: disable=broad-exception-caught
             print(f"\nlocd's log: {unreachable}")
         return 1

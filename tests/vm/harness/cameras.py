@@ -2,11 +2,11 @@
 
 import os
 import pathlib
-import signal
 import socket
 import subprocess
 import time
 
+import processes
 from hearing import PATIENCE
 from machine import LIFETIME_S
 
@@ -40,30 +40,15 @@ class Camera:
         """Of the camera as it is plugged in; nothing of one that is not."""
         try:
             return [int(word) for word in self.pid_file.read_text(encoding="utf-8").split()]
-        except OSError:
+        except (OSError, ValueError):
             return None, None
 
     def unplug(self):
         group = self._process_and_port()[0]
         if group is None:
             return
+        processes.end(group, self.run)
         self.pid_file.unlink()
-        try:
-            os.killpg(group, signal.SIGTERM)
-            while True:
-                self._reap(group)
-                os.killpg(group, 0)
-                time.sleep(0.02)
-        except ProcessLookupError:
-            pass
-
-    @staticmethod
-    def _reap(process):
-        """Who ended it sees it vanish, also when it started it itself."""
-        try:
-            os.waitpid(process, os.WNOHANG)
-        except ChildProcessError:
-            pass
 
     def _connect(self, control):
         """To the socket that the camera opens soon after it was plugged in."""

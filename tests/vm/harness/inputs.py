@@ -1,6 +1,8 @@
 """What a run works on, made natively: a capture that the cameras show, maps, the poses to be expected."""
 
+import hashlib
 import pathlib
+import shutil
 import subprocess
 
 # A slow round of 13 positions, 5 cm apart: at one position a second the
@@ -19,24 +21,35 @@ waypoints = [
 """
 
 
+def key_of(paths, *files):
+    """Of all that goes into the inputs."""
+    digest = hashlib.sha256()
+    for file in (paths["simulator"], paths["mapbuilder"], paths["locd"], *files, __file__):
+        digest.update(pathlib.Path(file).read_bytes())
+    return digest.hexdigest()
+
+
 def make_inputs(paths):
-    """Fills the folder of inputs, unless all is there."""
+    """Fills the folder of inputs, unless all is there, made of the same."""
     folder = pathlib.Path(paths["inputs"])
     source = pathlib.Path(paths["source"])
-    if (folder / "expected.tum").exists():
+    rig = source / "tests/vm/rig.yaml"
+    scene = source / "simulator/scenes/room1.toml"
+    key = key_of(paths, rig, scene)
+    made_of = folder / "made_of"
+    if made_of.exists() and made_of.read_text(encoding="utf-8") == key:
         return
-    folder.mkdir(parents=True, exist_ok=True)
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     # The scene library's room with one row of markers on each wall, for half the work in the guest.
-    room = (source / "simulator/scenes/room1.toml").read_text(encoding="utf-8")
+    room = scene.read_text(encoding="utf-8")
     room = room.replace("rows_m = [0.80, 1.70]", "rows_m = [1.25]").replace("last = 59", "last = 29")
     (folder / "survey.toml").write_text(room, encoding="utf-8")
     (folder / "room.toml").write_text(room.partition("[trajectory]")[0] + ROUND, encoding="utf-8")
-    rig = source / "tests/vm/rig.yaml"
 
     def run(*command):
         subprocess.run([str(word) for word in command], cwd=folder, check=True, stdout=subprocess.DEVNULL)
 
-    subprocess.run(["rm", "-rf", "capture", "survey", "other"], cwd=folder, check=True)
     run(paths["simulator"], "render", "--scene", "room.toml", "--rig", rig, "-o", "capture")
     for name, noise in (("survey", 0.1), ("other", 0.2)):
         run(paths["simulator"], "detections", "--scene", "survey.toml", "--rig", rig, "--noise-px", noise, "-o", name)
@@ -44,3 +57,4 @@ def make_inputs(paths):
     # Another map of the same room, in the same frame.
     run(paths["mapbuilder"], "build", "other", "-o", "other.map", "--frame-of", "room.map")
     run(paths["locd"], "--replay", "capture", "--map", "room.map", "--trajectory", "expected.tum")
+    made_of.write_text(key, encoding="utf-8")

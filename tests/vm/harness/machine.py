@@ -4,10 +4,11 @@ Everything of a run lies in one folder, the run folder: sockets, the console's l
 the folder that is shared with the guest.
 """
 
-import os
 import pathlib
 import signal
 import subprocess
+
+import processes
 
 CAMERA_PORTS = 3
 # Whatever happens to the tests, no machine runs longer than this.
@@ -71,19 +72,23 @@ class Machine:
         return command
 
     def is_running(self):
+        group = self._group()
+        return group is not None and bool(processes.living(group, self.run))
+
+    def _group(self):
+        """The process group that was started; None: none was."""
         try:
-            os.kill(int(self.pid_file.read_text(encoding="utf-8")), 0)
-            return True
+            return int(self.pid_file.read_text(encoding="utf-8"))
         except (OSError, ValueError):
-            return False
+            return None
 
     def kill(self):
-        """As if the power were cut: what the guest has not written to its disks is lost."""
-        try:
-            os.killpg(int(self.pid_file.read_text(encoding="utf-8")), signal.SIGKILL)
-        except (OSError, ValueError):
-            pass
-        self.pid_file.unlink(missing_ok=True)
+        """As if the power were cut: what the guest has not written to its disks is lost. Nobody writes to them
+        when this returns."""
+        group = self._group()
+        if group is not None:
+            processes.end(group, self.run, signal.SIGKILL)
+            self.pid_file.unlink()
 
     def last_words(self):
         """The end of the console's log, for a message."""
