@@ -131,7 +131,11 @@ Daemon::~Daemon() = default;
 
 Telemetry& Daemon::telemetry() { return parts_->telemetry; }
 
-void Daemon::devices_came() { parts_->capture.retry(); }
+void Daemon::devices_came() {
+  parts_->log.event("DEVICE", "a video device was plugged in: missing cameras are tried at once",
+                    monotonic_now());
+  parts_->capture.retry();
+}
 
 const std::optional<Error>& Daemon::refusal() const { return parts_->refusal; }
 
