@@ -17,24 +17,32 @@ class Guest:
     def __init__(self, run):
         self.run_folder = pathlib.Path(run)
         self.last_id = 0
+        self.agent = None  # connected with the first command, for all of this process
 
-    def run(self, command, timeout_s=60):
-        """(exit code, output) of a shell command; of `timeout_s` exceeded, GuestError."""
-        self.last_id += 1
-        request = f"{os.getpid()}.{self.last_id}"
-        deadline = time.monotonic() + timeout_s * PATIENCE
+    def _connect(self):
+        agent = socket.socket(socket.AF_UNIX)
         # Socket paths are short only as seen from the run folder.
         here = os.open(".", os.O_RDONLY)
-        os.chdir(self.run_folder)
         try:
-            with socket.socket(socket.AF_UNIX) as agent:
-                agent.connect("agent.sock")
-                os.fchdir(here)
-                agent.sendall(f"{request} {base64.b64encode(command.encode()).decode()}\n".encode())
-                return self._answer(agent, request, command, deadline)
+            os.chdir(self.run_folder)
+            agent.connect("agent.sock")
+        except OSError:
+            agent.close()
+            raise
         finally:
             os.fchdir(here)
             os.close(here)
+        return agent
+
+    def run(self, command, timeout_s=60):
+        """(exit code, output) of a command of POSIX's shell; of `timeout_s` exceeded, GuestError."""
+        self.last_id += 1
+        request = f"{os.getpid()}.{self.last_id}"
+        deadline = time.monotonic() + timeout_s * PATIENCE
+        if self.agent is None:
+            self.agent = self._connect()
+        self.agent.sendall(f"{request} {base64.b64encode(command.encode()).decode()}\n".encode())
+        return self._answer(self.agent, request, command, deadline)
 
     @staticmethod
     def _answer(agent, request, command, deadline):

@@ -20,7 +20,8 @@ w_max_dps = 10000
 url = "{url}"
 [record]
 dir = "/var/lib/locd/recordings"
-min_free_bytes = 0
+min_free_bytes = {min_free_bytes:.0f}
+max_bytes = {max_bytes:.0f}
 markers = "markers.toml"
 [service]
 startup_wait_s = {startup_wait_s}
@@ -29,7 +30,7 @@ realtime = {realtime}
 CAMERA = """[[camera]]
 name = "cam{number}"
 driver = "{driver}"
-device = "serial=WM-{serial}"
+device = "{device}"
 {fps}exposure_us = 3000
 gain = {gain}
 """
@@ -42,26 +43,26 @@ class Locd:
         self.share = pathlib.Path(share)
         self.inputs = pathlib.Path(inputs)
 
-    def configure(self, driver="v4l2", serials=(0, 1, 2), map_file="room.map", startup_wait_s=60, gain=40,
-                  fps="fps = 1\n", realtime=False):
-        """Writes /etc/locd; takes effect with the next restart or reload. serials: the cameras in the rig's order."""
+    def configure(self, driver="v4l2", devices=("serial=WM-0", "serial=WM-1", "serial=WM-2"), map_file="room.map",
+                  startup_wait_s=60, gain=40, fps="fps = 1\n", realtime=False, min_free_bytes=0, max_bytes=1e9):
+        """Writes /etc/locd; takes effect with the next restart or reload. devices: in the rig's order."""
         etc = self.share / "etc"
         etc.mkdir(exist_ok=True)
         for source in ("room.map", "other.map", "capture/rig.yaml", "capture/markers.toml"):
             shutil.copy(self.inputs / source, etc)
-        cameras = "".join(CAMERA.format(number=i, driver=driver, serial=serial, gain=gain, fps=fps)
-                          for i, serial in enumerate(serials))
+        cameras = "".join(CAMERA.format(number=i, driver=driver, device=device, gain=gain, fps=fps)
+                          for i, device in enumerate(devices))
         (etc / "locd.toml").write_text(
             CONFIG.format(map=map_file, cameras=cameras, url=URL, startup_wait_s=startup_wait_s,
-                          realtime=str(realtime).lower()), encoding="utf-8")
+                          realtime=str(realtime).lower(), min_free_bytes=min_free_bytes, max_bytes=max_bytes),
+            encoding="utf-8")
         self.guest.check("cp /share/etc/* /etc/locd/ && chmod 644 /etc/locd/*")
 
     @contextlib.contextmanager
     def realtime_drop_in(self):
-        """The package's own, as operations.md says; the guest's packages come without documents."""
+        """The package's own, as operations.md says."""
         drop_in = "/etc/systemd/system/locd.service.d/realtime.conf"
-        self.guest.check("dpkg-deb --fsys-tarfile /share/waymark-locd.deb | tar -xO "
-                         f"./usr/share/doc/waymark-locd/examples/realtime.conf >{drop_in} && systemctl daemon-reload")
+        self.guest.check(f"install -D /usr/share/waymark-locd/realtime.conf {drop_in} && systemctl daemon-reload")
         try:
             yield
         finally:
@@ -80,6 +81,11 @@ class Locd:
 
     def pid(self):
         return int(self.show("MainPID"))
+
+    def has_said(self, text):
+        """Whether the log of the process that runs now holds a text."""
+        return self.guest.run("journalctl -q -u locd -o cat _PID=$(systemctl show --value -p MainPID locd) | "
+                              f"grep -qF '{text}'")[0] == 0
 
     def journal(self):
         """The end of the service's log, for a message."""

@@ -57,9 +57,13 @@ class World:
             else:
                 camera.order("go")
 
+    def install(self):
+        """The package, unless it is installed."""
+        self.guest.check("test -x /usr/bin/locd || dpkg -i /share/waymark-locd.deb", 180)
+
     def prepare(self):
         """The package installed, a listener, three cameras; locd may run or not."""
-        self.guest.check("test -x /usr/bin/locd || dpkg -i /share/waymark-locd.deb", 180)
+        self.install()
         self.listen()
         self.plug_all()
 
@@ -73,11 +77,14 @@ class World:
 
     def listen(self):
         """A listener in the guest, unless one runs, and a way for multicast as a vehicle without a network has."""
-        self.guest.check("ip link show dummy0 || { modprobe dummy numdummies=0; ip link add dummy0 type dummy; "
+        self.guest.check("test -e /sys/class/net/dummy0 || { modprobe dummy numdummies=0; ip link add dummy0 type dummy; "
                          "ip address add 192.168.77.1/24 dev dummy0; ip link set dummy0 up; "
-                         "ip route add default via 192.168.77.2 dev dummy0; }")
-        self.guest.check("systemctl is-active --quiet listener || "
+                         "ip route add default via 192.168.77.2 dev dummy0; }; systemctl is-active --quiet listener || "
                          f"systemd-run --quiet --unit=listener /share/bin/vm_listener '{URL}' /share/heard.jsonl")
+
+    def stop_listening(self):
+        """No listener, and no way for multicast."""
+        self.guest.check("systemctl stop listener; ip link delete dummy0; ! ip route get 239.255.76.67")
 
     # What they wait for and look at.
 
