@@ -227,7 +227,9 @@ void Daemon::Parts::publish_status(Stamp now) {
   status.map_hash = telemetry.session().map_hash;
   status.text = StatusReport::text(status);
   telemetry.publish_status(status, now);
-  if (ready) notifier.status(status.text);
+  // Whoever asks systemd can't hear that nothing is heard.
+  if (ready)
+    notifier.status(status.text + (telemetry.connected() ? "" : ", LCM takes no messages"));
   if (!telemetry.connected()) {
     log.event("LCM", "LCM takes no messages; is there a route for multicast? Trying on", now);
   }

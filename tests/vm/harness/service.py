@@ -75,6 +75,18 @@ class Locd:
     def stop(self):
         self.guest.check("systemctl stop locd", timeout_s=60)
 
+    def quiet(self):
+        """Stopped, also where it is not even installed."""
+        self.guest.run("systemctl stop locd", timeout_s=60)
+
+    def note_time(self):
+        """From here on lines_since counts."""
+        self.guest.check("journalctl -q -n 0 --show-cursor | sed -n 's/^-- cursor: //p' >/run/waymark-cursor")
+
+    def lines_since(self):
+        """Of its log, since note_time."""
+        return self.guest.check("journalctl -q -u locd -o cat --after-cursor=\"$(cat /run/waymark-cursor)\"").splitlines()
+
     def show(self, field):
         """A property of the unit, as systemctl show prints it."""
         return self.guest.check(f"systemctl show --value --property={field} locd")

@@ -5,7 +5,7 @@ import statistics
 
 import hearing as heard
 from cameras import COUNT
-from poses import assert_expected
+from poses import assert_expected, assert_linked_and_awake, assert_set
 
 # FAULTS: back within so many seconds of the udev event.
 BACK_S = 5.0
@@ -28,8 +28,7 @@ def wait_for_udev(world, serial, timeout_s=60):
 
 def unplug_and_replug(world):
     """One camera goes: poses of the others, DEGRADED, its name; it is back within 5 s of the udev event."""
-    world.localize()
-    session = world.wait_for_full_pose()["session"]
+    session = world.localize()["session"]
     world.hearing.mark()
     world.cameras[1].unplug()
     pose = world.hearing.wait_for(
@@ -55,14 +54,34 @@ def unplug_and_replug(world):
         return pose["heard_s"] - pose["latency_ms"] / 1e3 - came_s
 
     world.one_of_three("from udev's event to the first image in a set", BACK_S, replug)
-    status = world.cameras[1].order("status")
-    assert '"exposure_100us":30' in status and '"gain":40' in status, f"not set again: {status}"
+    # That it was the event and not the next attempt, 5 s later at most.
+    assert world.locd.has_said("a video device was plugged in"), "udev's events do not reach it"
+    assert_set(world.cameras[1])
+    assert_linked_and_awake(world, world.cameras[1])
+
+
+# A camera with a loose plug: so often, ended and begun by the kernel, which is faster than a process.
+FLAPS = 6
+
+
+def flapping_camera(world):
+    """A camera that comes and goes neither floods the log nor ends anything, and takes part again when it stays."""
+    session = world.localize()["session"]
+    device = world.guest.check("basename $(dirname $(grep -l WM-1 /sys/bus/usb/devices/*/serial))")
+    world.locd.note_time()
+    world.guest.check(f"for i in $(seq {FLAPS}); do for on in 0 1; do echo $on >/sys/bus/usb/devices/{device}/authorized; "
+                      "sleep 0.3; done; done", 120)
+    assert world.wait_for_full_pose()["session"] == session, "it was restarted"
+    lines = world.locd.lines_since()
+    assert len(lines) <= 2 * FLAPS, "\n".join(lines)
+    assert_set(world.cameras[1])
+
+
 
 
 def all_unplugged_and_replugged_elsewhere(world):
     """Without a camera LOST goes on twice a second; plugged into other ports the cameras are who they were."""
-    world.localize()
-    session = world.wait_for_full_pose()["session"]
+    session = world.localize()["session"]
     for camera in world.cameras:
         camera.unplug()
     world.hearing.mark()
@@ -202,10 +221,9 @@ def blocking_device(world):
     def end_s():
         world.cameras[1].order("stall")
         world.cameras[1].order("mute")  # the restart that follows blocks in the kernel
-        stuck = "journalctl -q -u locd -o cat _PID=$(systemctl show --value -p MainPID locd) | grep -q 'does not turn'"
         world.hearing.mark()
         world.hearing.wait_for("poses of the others", "POSE", lambda m: m["cameras_used"] == COUNT - 1, count=3)
-        world.wait_until("its thread is stuck in a call", lambda: world.guest.run(stuck)[0] == 0)
+        world.wait_until("its thread is stuck in a call", lambda: world.locd.has_said("does not turn"))
         world.hearing.mark()
         world.hearing.wait_for("poses while it is", "POSE", lambda m: m["cameras_used"] == COUNT - 1)
         # The program ends; what its thread waits for in the kernel (uvcvideo: up to 5 s) keeps the rest of the
@@ -222,5 +240,5 @@ def blocking_device(world):
     world.one_of_three("from SIGTERM to the end", STOP_S, end_s)
 
 
-# FAULTS: a second; as much again for what the emulation makes of the rest of the program's end.
-STOP_S = 2.0
+# FAULTS.
+STOP_S = 1.0

@@ -20,7 +20,7 @@ def wrong_camera(world):
     """A camera in another's place refuses the start with 78, once, and names both; only a change mends it."""
     world.prepare()
     world.locd.stop()
-    world.locd.configure(serials=(1, 0, 2))
+    world.locd.configure(devices=("serial=WM-1", "serial=WM-0", "serial=WM-2"))
     world.guest.run("systemctl reset-failed locd; systemctl start locd", timeout_s=120)
     world.wait_until("it has failed", lambda: world.locd.show("ActiveState") == "failed")
     assert world.locd.show("ExecMainStatus") == "78" and world.locd.show("NRestarts") == "0"
@@ -29,10 +29,11 @@ def wrong_camera(world):
 
 
 def realtime(world):
-    """With the drop-in, cameras' threads and localization run in real time, and poses come."""
+    """With the drop-in, threads run in real time; cameras named by link, port and serial number; poses come."""
     world.prepare()
     with world.locd.realtime_drop_in():
-        world.locd.configure(realtime=True)
+        port = world.guest.check("v4l2-ctl -d /dev/waymark/WM-1 --info | sed -n 's/.*Bus info *: *//p' | head -1")
+        world.locd.configure(realtime=True, devices=("/dev/waymark/WM-0", f"bus={port}", "serial=WM-2"))
         world.locd.start()
         world.wait_for_full_pose()
         threads = world.guest.check(f"ps -L -o comm=,cls=,rtprio= -p {world.locd.pid()}")
