@@ -76,7 +76,8 @@ def stuck_thread(world):
         pid = world.locd.pid()
         restarts = int(world.locd.show("NRestarts"))
         world.locd.note_time()
-        thread = world.guest.check(f"grep -lx {name} /proc/{pid}/task/*/comm").split("/")[-2]
+        # The first of its name; threads that it has begun bear the same.
+        thread = world.guest.check(f"grep -lx {name} /proc/{pid}/task/*/comm | head -1").split("/")[4]
         # As the process itself may do it.
         world.guest.check(f"NOTIFY_SOCKET=/run/systemd/notify systemd-notify --pid={pid} WATCHDOG_USEC={WATCHDOG_S}000000")
         world.hearing.mark()
