@@ -51,10 +51,10 @@ def three_cameras(world):
         assert_linked_and_awake(world, camera)
 
 
-def assert_set(camera):
+def assert_set(camera, gain=40):
     """The camera's controls are as configured."""
     status = camera.order("status")
-    for wanted in ('"auto_exposure":1', '"exposure_100us":30', '"gain":40'):
+    for wanted in ('"auto_exposure":1', '"exposure_100us":30', f'"gain":{gain}'):
         assert wanted in status, f"{camera.serial}: {wanted} is not in {status}"
 
 
