@@ -33,8 +33,11 @@ Status run(const Options& options) {
   if (!orders) return tl::make_unexpected(orders.error());
   auto link = UsbLink::accept(options.socket, device);
   if (!link) return tl::make_unexpected(link.error());
+  const auto obey = [&](std::string_view order) -> ControlSocket::Answer {
+    return [answer = device.obey(order)](Stamp) { return answer; };
+  };
   while ((*link)->serve(monotonic_now())) {
-    orders->serve([&](std::string_view order) { return device.obey(order); });
+    orders->serve(obey, monotonic_now());
     // Orders of a client that is connected already are looked for every 50 ms.
     int wait_ms = 50;
     if (const auto due = (*link)->due()) {
