@@ -3,7 +3,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 
 #include "drivers/libcamera/libcamera_source.h"
@@ -96,7 +95,7 @@ class SourceMaker {
     }
     options.controls = {camera.exposure_us, camera.gain, camera.white_balance_k, camera.focus,
                         camera.power_line_hz};
-    options.readout = Stamp(std::llround(in_rig.readout_us.value_or(0) * 1e3));
+    options.readout = from_us(in_rig.readout_us.value_or(0));
     return options;
   }
 

@@ -276,7 +276,7 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     if (!set.has(c)) continue;
     const double readout_us = rig.cameras[c].readout_us.value_or(0);
-    readout = std::max(readout, Stamp(static_cast<std::int64_t>(readout_us * 1e3)));
+    readout = std::max(readout, from_us(readout_us));
     if (set.frames[c].info().quality == StampQuality::arrival) {
       reasons |= bit(PoseReason::unsynced);
     }

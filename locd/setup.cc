@@ -1,7 +1,6 @@
 #include "locd/setup.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <numbers>
 
@@ -14,8 +13,6 @@ namespace waymark {
 namespace {
 
 constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-
-Stamp from_us(double us) { return Stamp(static_cast<Stamp::rep>(std::llround(us * 1e3))); }
 
 /// Brings the configuration's cameras into the rig's order.
 Status match_cameras(Setup& setup) {

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 
 #include <cerrno>
-#include <cmath>
 #include <ctime>
 #include <system_error>
 
@@ -302,7 +301,6 @@ class LibcameraSource final : public FrameSource {
     return fail(result == -ENODEV ? ErrorKind::unavailable : ErrorKind::io, "{}: {}: {}",
                 camera_->id(), what, reason(result));
   }
-  static Stamp from_us(double us) { return Stamp(static_cast<Stamp::rep>(std::llround(us * 1e3))); }
 
   using Memory = std::vector<std::shared_ptr<const std::uint8_t>>;
 
