@@ -23,27 +23,28 @@ class ControlPanel {
  public:
   explicit ControlPanel(VideoNode& node) : node_(node) {}
 
-  [[nodiscard]] std::optional<Range> find(std::uint32_t id) {
-    v4l2_queryctrl query{};
-    query.id = id;
-    if (node_.request(VIDIOC_QUERYCTRL, &query) != 0) return std::nullopt;
-    if ((query.flags & V4L2_CTRL_FLAG_DISABLED) != 0) return std::nullopt;
-    return Range{id, static_cast<double>(query.minimum), static_cast<double>(query.maximum),
-                 std::max(1.0, static_cast<double>(query.step))};
-  }
-  /// The first of several that the device has.
-  [[nodiscard]] std::optional<Range> find_one_of(std::initializer_list<std::uint32_t> ids) {
+  /// The first of several that the device has; nullopt: it has none.
+  [[nodiscard]] Expected<std::optional<Range>> find(std::initializer_list<std::uint32_t> ids) {
     for (const std::uint32_t id : ids) {
-      if (const auto range = find(id)) return range;
+      v4l2_queryctrl query{};
+      query.id = id;
+      const int failed = node_.request(VIDIOC_QUERYCTRL, &query);
+      if (failed != 0 && !says_absent(failed)) return cannot("ask for a control", failed);
+      if (failed != 0 || (query.flags & V4L2_CTRL_FLAG_DISABLED) != 0) continue;
+      return Range{id, static_cast<double>(query.minimum), static_cast<double>(query.maximum),
+                   std::max(1.0, static_cast<double>(query.step))};
     }
     return std::nullopt;
   }
 
-  [[nodiscard]] std::optional<int> read(std::uint32_t id) {
+  /// nullopt: it has none, or none that can be read.
+  [[nodiscard]] Expected<std::optional<int>> read(std::uint32_t id) {
     v4l2_control control{};
     control.id = id;
-    if (node_.request(VIDIOC_G_CTRL, &control) != 0) return std::nullopt;
-    return control.value;
+    const int failed = node_.request(VIDIOC_G_CTRL, &control);
+    if (failed == 0) return control.value;
+    if (says_absent(failed) || failed == EACCES) return std::nullopt;
+    return cannot("read a control", failed);
   }
 
   /// Whether the device has it at `value` now. A device that is gone is an error, one that refuses
@@ -54,15 +55,19 @@ class ControlPanel {
     control.value = value;
     const int failed = node_.request(VIDIOC_S_CTRL, &control);
     const bool refused = failed == EINVAL || failed == ERANGE || failed == EACCES;
-    if (failed != 0 && !refused) {
-      return tl::make_unexpected(node_error(node_, "can't set a control", failed));
-    }
-    return read(id) == value;
+    if (failed != 0 && !refused) return cannot("set a control", failed);
+    const auto now = read(id);
+    if (!now) return tl::make_unexpected(now.error());
+    return *now == value;
   }
 
-  /// Sets `value` of whatever `key` names in locd.toml to the next step; what the device has then.
-  Expected<double> set(std::string_view key, const std::optional<Range>& range, double value,
+  /// Sets `value` of whatever `key` names in locd.toml to the next step, by the first of `ids` that
+  /// the device has; what it has then.
+  Expected<double> set(std::string_view key, std::initializer_list<std::uint32_t> ids, double value,
                        double unit) {
+    const auto found = find(ids);
+    if (!found) return tl::make_unexpected(found.error());
+    const std::optional<Range>& range = *found;
     if (!range) {
       return fail(ErrorKind::config, "{}: {} = {}: the device has no such control; leave it out",
                   node_.path(), key, value);
@@ -74,7 +79,9 @@ class ControlPanel {
       const auto written = write(range->id, static_cast<int>(target));
       if (!written) return tl::make_unexpected(written.error());
     }
-    const auto now = read(range->id);
+    const auto read_back = read(range->id);
+    if (!read_back) return tl::make_unexpected(read_back.error());
+    const std::optional<int>& now = *read_back;
     if (!now) return fail(ErrorKind::io, "{}: {} can't be read back", node_.path(), key);
     if (inside && std::abs(*now - target) <= range->step) return *now * unit;
     return fail(ErrorKind::config,
@@ -86,7 +93,9 @@ class ControlPanel {
   /// Switches an automatism off where the device has it: to the first of `manual` that it takes.
   /// False when it stays on.
   [[nodiscard]] Expected<bool> switch_off(std::uint32_t id, std::initializer_list<int> manual) {
-    if (!find(id)) return true;
+    const auto found = find({id});
+    if (!found) return tl::make_unexpected(found.error());
+    if (!*found) return true;
     for (const int value : manual) {
       const auto off = write(id, value);
       if (!off || *off) return off;
@@ -95,6 +104,10 @@ class ControlPanel {
   }
 
  private:
+  [[nodiscard]] tl::unexpected<Error> cannot(std::string_view what, int failed) const {
+    return tl::make_unexpected(node_error(node_, fmt::format("can't {}", what), failed));
+  }
+
   VideoNode& node_;
 };
 
@@ -115,11 +128,15 @@ class Applying {
  private:
   Status exposure() {
     if (!wanted_.exposure_us) {
-      if (exposure_is_automatic()) {
+      const auto mode = panel_.read(V4L2_CID_EXPOSURE_AUTO);
+      if (!mode) return tl::make_unexpected(mode.error());
+      if (is_automatic(*mode)) {
         note("exposure is automatic: stamps are off by up to half of it; set exposure_us");
-      } else if (const auto now = panel_.read(V4L2_CID_EXPOSURE_ABSOLUTE)) {
-        applied_.exposure = from_us(*now * kExposureUnit_us);
+        return {};
       }
+      const auto now = panel_.read(V4L2_CID_EXPOSURE_ABSOLUTE);
+      if (!now) return tl::make_unexpected(now.error());
+      if (*now) applied_.exposure = from_us(**now * kExposureUnit_us);
       return {};
     }
     const auto off = panel_.switch_off(V4L2_CID_EXPOSURE_AUTO,
@@ -133,23 +150,26 @@ class Applying {
     if (auto fixed = panel_.switch_off(V4L2_CID_EXPOSURE_AUTO_PRIORITY, {0}); !fixed) {
       return tl::make_unexpected(fixed.error());
     }
-    const auto now = panel_.set("exposure_us", panel_.find(V4L2_CID_EXPOSURE_ABSOLUTE),
-                                *wanted_.exposure_us, kExposureUnit_us);
+    const auto now = panel_.set("exposure_us", {V4L2_CID_EXPOSURE_ABSOLUTE}, *wanted_.exposure_us,
+                                kExposureUnit_us);
     if (!now) return tl::make_unexpected(now.error());
     applied_.exposure = from_us(*now);
     return {};
   }
 
   Status gain() {
-    const auto range = panel_.find_one_of({V4L2_CID_GAIN, V4L2_CID_ANALOGUE_GAIN});
     if (wanted_.gain) {
       if (auto off = automatic_off(V4L2_CID_AUTOGAIN, "automatic gain"); !off) return off;
-      const auto now = panel_.set("gain", range, *wanted_.gain, 1);
+      const auto now =
+          panel_.set("gain", {V4L2_CID_GAIN, V4L2_CID_ANALOGUE_GAIN}, *wanted_.gain, 1);
       if (!now) return tl::make_unexpected(now.error());
       applied_.gain = *now;
-    } else if (range) {
-      if (const auto now = panel_.read(range->id)) applied_.gain = *now;
+      return {};
     }
+    // Only told: a device whose gain nobody asked for is not refused because it can't say it.
+    const auto range = panel_.find({V4L2_CID_GAIN, V4L2_CID_ANALOGUE_GAIN});
+    if (!range || !*range) return {};
+    if (const auto now = panel_.read((*range)->id); now && *now) applied_.gain = **now;
     return {};
   }
 
@@ -158,16 +178,14 @@ class Applying {
     if (auto off = automatic_off(V4L2_CID_AUTO_WHITE_BALANCE, "automatic white balance"); !off) {
       return off;
     }
-    return only_status(panel_.set("white_balance_k",
-                                  panel_.find(V4L2_CID_WHITE_BALANCE_TEMPERATURE),
+    return only_status(panel_.set("white_balance_k", {V4L2_CID_WHITE_BALANCE_TEMPERATURE},
                                   *wanted_.white_balance_k, 1));
   }
 
   Status focus() {
     if (auto off = automatic_off(V4L2_CID_FOCUS_AUTO, "automatic focus"); !off) return off;
     if (!wanted_.focus) return {};
-    return only_status(
-        panel_.set("focus", panel_.find(V4L2_CID_FOCUS_ABSOLUTE), *wanted_.focus, 1));
+    return only_status(panel_.set("focus", {V4L2_CID_FOCUS_ABSOLUTE}, *wanted_.focus, 1));
   }
 
   Status power_line() {
@@ -176,9 +194,9 @@ class Applying {
     const int choice = hz == 50   ? V4L2_CID_POWER_LINE_FREQUENCY_50HZ
                        : hz == 60 ? V4L2_CID_POWER_LINE_FREQUENCY_60HZ
                                   : V4L2_CID_POWER_LINE_FREQUENCY_DISABLED;
-    const auto set = panel_.find(V4L2_CID_POWER_LINE_FREQUENCY)
-                         ? panel_.write(V4L2_CID_POWER_LINE_FREQUENCY, choice)
-                         : Expected<bool>(false);
+    const auto found = panel_.find({V4L2_CID_POWER_LINE_FREQUENCY});
+    if (!found) return tl::make_unexpected(found.error());
+    const auto set = *found ? panel_.write(V4L2_CID_POWER_LINE_FREQUENCY, choice) : false;
     if (!set) return tl::make_unexpected(set.error());
     if (*set) return {};
     return fail(ErrorKind::config, "{}: power_line_hz = {} can't be set; leave it out",
@@ -192,8 +210,7 @@ class Applying {
     return {};
   }
 
-  [[nodiscard]] bool exposure_is_automatic() {
-    const auto mode = panel_.read(V4L2_CID_EXPOSURE_AUTO);
+  [[nodiscard]] static bool is_automatic(const std::optional<int>& mode) {
     return mode && *mode != V4L2_EXPOSURE_MANUAL && *mode != V4L2_EXPOSURE_SHUTTER_PRIORITY;
   }
 
@@ -201,7 +218,6 @@ class Applying {
     if (!set) return tl::make_unexpected(set.error());
     return {};
   }
-  static Stamp from_us(double us) { return Stamp(static_cast<Stamp::rep>(std::llround(us * 1e3))); }
   void note(std::string_view text) {
     applied_.notes.push_back(fmt::format("{}: {}", node_.path(), text));
   }

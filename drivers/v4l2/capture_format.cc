@@ -32,11 +32,16 @@ Expected<bool> is_multiplanar(VideoNode& node) {
   return multiplanar;
 }
 
-std::vector<std::uint32_t> offered_fourccs(VideoNode& node, v4l2_buf_type type) {
+Expected<std::vector<std::uint32_t>> offered_fourccs(VideoNode& node, v4l2_buf_type type) {
   std::vector<std::uint32_t> fourccs;
   v4l2_fmtdesc format{};
   format.type = type;
-  for (; format.index < kMaxListed && node.request(VIDIOC_ENUM_FMT, &format) == 0; ++format.index) {
+  for (; format.index < kMaxListed; ++format.index) {
+    const int failed = node.request(VIDIOC_ENUM_FMT, &format);
+    if (failed != 0 && !says_absent(failed)) {
+      return tl::make_unexpected(node_error(node, "can't list its formats", failed));
+    }
+    if (failed != 0) break;
     fourccs.push_back(format.pixelformat);
   }
   return fourccs;
@@ -69,11 +74,12 @@ std::vector<Size> offered_sizes(VideoNode& node, std::uint32_t fourcc) {
 Expected<const PixelFormat*> choose_pixels(VideoNode& node, v4l2_buf_type type,
                                            const CaptureRequest& request) {
   const auto offered = offered_fourccs(node, type);
+  if (!offered) return tl::make_unexpected(offered.error());
   const auto is_offered = [&](const PixelFormat& format) {
-    return std::find(offered.begin(), offered.end(), format.fourcc) != offered.end();
+    return std::find(offered->begin(), offered->end(), format.fourcc) != offered->end();
   };
   if (request.pixels != nullptr) {
-    if (is_offered(*request.pixels) || offered.empty()) return request.pixels;
+    if (is_offered(*request.pixels) || offered->empty()) return request.pixels;
   } else {
     const auto formats = pixel_formats();
     const auto best = std::find_if(formats.begin(), formats.end(), is_offered);
@@ -149,9 +155,10 @@ Status check_crop(VideoNode& node) {
   whole.target = V4L2_SEL_TGT_CROP_DEFAULT;
   v4l2_selection crop = whole;
   crop.target = V4L2_SEL_TGT_CROP;
-  if (node.request(VIDIOC_G_SELECTION, &whole) != 0 ||
-      node.request(VIDIOC_G_SELECTION, &crop) != 0) {
-    return {};  // knows no cropping
+  for (v4l2_selection* const asked : {&whole, &crop}) {
+    const int failed = node.request(VIDIOC_G_SELECTION, asked);
+    if (says_absent(failed)) return {};  // knows no cropping
+    if (failed != 0) return tl::make_unexpected(node_error(node, "can't tell its crop", failed));
   }
   const v4l2_rect& a = crop.r;
   const v4l2_rect& b = whole.r;
@@ -191,15 +198,18 @@ Status set_rate(VideoNode& node, double fps, CaptureFormat& capture) {
   v4l2_streamparm parameters{};
   parameters.type = capture.buffer_type();
   v4l2_fract& period = parameters.parm.capture.timeperframe;
-  const bool has_rate = node.request(VIDIOC_G_PARM, &parameters) == 0 &&
-                        (parameters.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) != 0;
+  int failed = node.request(VIDIOC_G_PARM, &parameters);
+  const bool has_rate =
+      failed == 0 && (parameters.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) != 0;
+  if (says_absent(failed)) failed = 0;
   if (fps > 0 && has_rate) {
     period = {1000, static_cast<__u32>(std::lround(fps * 1000))};
-    if (const int failed = node.request(VIDIOC_S_PARM, &parameters); failed != 0) {
-      return tl::make_unexpected(node_error(node, "can't set the frame rate", failed));
-    }
+    failed = node.request(VIDIOC_S_PARM, &parameters);
     // What was set may be told only when asked.
-    node.request(VIDIOC_G_PARM, &parameters);
+    if (failed == 0) failed = node.request(VIDIOC_G_PARM, &parameters);
+  }
+  if (failed != 0) {
+    return tl::make_unexpected(node_error(node, "can't set the frame rate", failed));
   }
   capture.fps = has_rate ? rate_of(period) : 0;
   if (fps > 0 && std::abs(capture.fps - fps) > kSameRate * fps) {
@@ -233,7 +243,9 @@ std::string offered_formats(VideoNode& node) {
   CaptureFormat type;
   type.multiplanar = *multiplanar;
   std::vector<std::string> formats;
-  for (const std::uint32_t fourcc : offered_fourccs(node, type.buffer_type())) {
+  const auto fourccs = offered_fourccs(node, type.buffer_type());
+  if (!fourccs) return fmt::format("nothing it could name ({})", fourccs.error().message);
+  for (const std::uint32_t fourcc : *fourccs) {
     std::vector<std::string> sizes;
     for (const Size& size : offered_sizes(node, fourcc)) {
       sizes.push_back(fmt::format("{}×{}", size.width_px, size.height_px));
@@ -250,8 +262,9 @@ std::vector<OfferedFormat> understood_formats(VideoNode& node) {
   CaptureFormat type;
   type.multiplanar = *multiplanar;
   const auto offered = offered_fourccs(node, type.buffer_type());
+  if (!offered) return understood;
   for (const PixelFormat& format : pixel_formats()) {
-    if (std::find(offered.begin(), offered.end(), format.fourcc) == offered.end()) continue;
+    if (std::find(offered->begin(), offered->end(), format.fourcc) == offered->end()) continue;
     for (const Size& size : offered_sizes(node, format.fourcc)) {
       understood.push_back({&format, size.width_px, size.height_px});
     }

@@ -42,4 +42,9 @@ Error node_error(const VideoNode& node, std::string_view what, int error_number)
   }
 }
 
+bool says_absent(int error_number) {
+  // ENODATA: of frame rates and crops, where the present input has none.
+  return error_number == EINVAL || error_number == ENOTTY || error_number == ENODATA;
+}
+
 }  // namespace waymark

@@ -9,4 +9,8 @@ namespace waymark {
 /// (naming who holds it) are unavailable; too little USB bandwidth says what helps; else io.
 [[nodiscard]] Error node_error(const VideoNode& node, std::string_view what, int error_number);
 
+/// Whether the device says by an error that it has no such thing: control, list or setting. Every
+/// other error tells that it could not be asked.
+[[nodiscard]] bool says_absent(int error_number);
+
 }  // namespace waymark

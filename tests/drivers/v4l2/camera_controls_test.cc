@@ -132,5 +132,29 @@ TEST_F(CameraControlsTest, ADeviceThatGoesMeanwhileIsNoWrongConfiguration) {
   EXPECT_EQ(apply({.gain = 2}).error().kind, ErrorKind::io);
 }
 
+TEST_F(CameraControlsTest, AFailedQuestionIsNoAbsentControl) {
+  for (const auto& [failure, kind] : {std::pair(EIO, ErrorKind::io),
+                                      {ETIMEDOUT, ErrorKind::io},
+                                      {ENODEV, ErrorKind::unavailable}}) {
+    device_.controls[V4L2_CID_EXPOSURE_AUTO].failure = failure;
+    for (const CameraControls& controls : {CameraControls{.exposure_us = 2000}, {}}) {
+      const auto applied = apply(controls);
+      ASSERT_FALSE(applied) << failure;
+      EXPECT_EQ(applied.error().kind, kind) << applied.error().message;
+    }
+    device_.controls[V4L2_CID_EXPOSURE_AUTO].failure = 0;
+    device_.controls[V4L2_CID_GAIN].failure = failure;
+    EXPECT_EQ(apply({.gain = 40}).error().kind, kind);
+    EXPECT_EQ(apply({})->gain, std::nullopt);  // nobody asked for it
+    device_.controls[V4L2_CID_GAIN].failure = 0;
+  }
+  device_.controls[V4L2_CID_FOCUS_AUTO] = {.high = 1, .value = 1, .failure = EIO};
+  EXPECT_EQ(apply({}).error().kind, ErrorKind::io) << "automatic focus would stay on unseen";
+  for (const int absent : {EINVAL, ENOTTY}) {
+    device_.controls[V4L2_CID_FOCUS_AUTO].failure = absent;
+    EXPECT_TRUE(apply({}));
+  }
+}
+
 }  // namespace
 }  // namespace waymark

@@ -95,6 +95,30 @@ TEST_F(CaptureFormatTest, AGoneDeviceIsUnavailable) {
   EXPECT_EQ(format.error().kind, ErrorKind::unavailable);
 }
 
+TEST_F(CaptureFormatTest, AFailedQuestionIsNoWrongConfiguration) {
+  for (const unsigned long question :
+       {VIDIOC_ENUM_FMT, VIDIOC_G_PARM, VIDIOC_G_SELECTION, VIDIOC_S_PARM}) {
+    for (const int failure : {EIO, ETIMEDOUT, ENODEV}) {
+      device_.failures = {{question, failure}};
+      const auto format = set({64, 48, nullptr, 30});
+      ASSERT_FALSE(format) << question;
+      EXPECT_EQ(format.error().kind, failure == ENODEV ? ErrorKind::unavailable : ErrorKind::io)
+          << format.error().message;
+    }
+  }
+}
+
+TEST_F(CaptureFormatTest, ADeviceMayHaveNoListNoRateAndNoCrop) {
+  for (const int absent : {EINVAL, ENOTTY, ENODATA}) {
+    device_.failures = {
+        {VIDIOC_ENUM_FMT, absent}, {VIDIOC_G_PARM, absent}, {VIDIOC_G_SELECTION, absent}};
+    EXPECT_TRUE(set({64, 48, find_pixel_format("GREY"), 0}));
+    const auto unknown_rate = set({64, 48, find_pixel_format("GREY"), 30});
+    ASSERT_FALSE(unknown_rate);
+    EXPECT_EQ(unknown_rate.error().kind, ErrorKind::config);
+  }
+}
+
 TEST_F(CaptureFormatTest, WhatIsUnderstoodIsListedTheBestFirst) {
   test::FakeVideoNode node(device_);
   const auto formats = understood_formats(node);

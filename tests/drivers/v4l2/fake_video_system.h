@@ -24,6 +24,7 @@ struct FakeControl {
   int value = 0;
   bool stuck = false;       ///< takes values and keeps its own
   std::set<int> refused{};  ///< EINVAL
+  int failure = 0;          ///< of every request about it
 };
 
 /// One frame that a scripted device delivers.
@@ -186,6 +187,7 @@ class FakeVideoNode final : public VideoNode {
   int query_control(v4l2_queryctrl& query) const {
     const auto found = device_.controls.find(query.id);
     if (found == device_.controls.end()) return EINVAL;
+    if (found->second.failure != 0) return found->second.failure;
     query.minimum = found->second.low;
     query.maximum = found->second.high;
     query.step = found->second.step;
@@ -195,6 +197,7 @@ class FakeVideoNode final : public VideoNode {
     const auto found = device_.controls.find(control.id);
     if (found == device_.controls.end()) return EINVAL;
     FakeControl& of_device = found->second;
+    if (of_device.failure != 0) return of_device.failure;
     if (set && of_device.refused.contains(control.value)) return EINVAL;
     if (set) device_.written.emplace_back(control.id, control.value);
     if (set && !of_device.stuck) of_device.value = control.value;
