@@ -33,7 +33,7 @@ class FrameSource {
   /// The next frame; nullopt when none came until `deadline` (CLOCK_MONOTONIC), after stop, or when
   /// none will ever come (ended). Waits nowhere else than for the device. A damaged frame is
   /// dropped and counted inside. Errors: unavailable when the device is gone, io when it must be
-  /// started again.
+  /// started again, config for what only the first frame shows.
   [[nodiscard]] virtual Expected<std::optional<Frame>> next(Stamp deadline) = 0;
 
   /// Ends a waiting `next` soon; from any thread.

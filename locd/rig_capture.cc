@@ -14,6 +14,11 @@ constexpr Stamp kLongestPause = std::chrono::seconds(5);
 /// A waiting camera's loop turns at least this often.
 constexpr Stamp kTurn = std::chrono::milliseconds(200);
 
+void note_failure(RigCapture::CameraState& state, const Error& error) {
+  state.error = error.message;
+  state.misconfigured = error.kind == ErrorKind::config;
+}
+
 }  // namespace
 
 RigCapture::RigCapture(std::vector<std::unique_ptr<FrameSource>> sources,
@@ -68,8 +73,9 @@ void RigCapture::run(std::size_t index, bool realtime) {
     const Status started = camera.source->start();
     note([&](CameraState& state) {
       ++state.starts;
-      state.error = started ? "" : started.error().message;
-      state.misconfigured = !started && started.error().kind == ErrorKind::config;
+      state.error.clear();
+      state.misconfigured = false;
+      if (!started) note_failure(state, started.error());
     });
     bool running = started.has_value();
     for (bool first = true; running && !camera.source->ended();) {
@@ -80,7 +86,7 @@ void RigCapture::run(std::size_t index, bool realtime) {
         state.damaged = camera.source->damaged();
         state.lost = camera.source->lost();
         if (tells) state.description = camera.source->describe();
-        if (!frame) state.error = frame.error().message;
+        if (!frame) note_failure(state, frame.error());
       });
       if (!frame) break;
       if (!*frame) continue;

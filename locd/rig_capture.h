@@ -48,10 +48,9 @@ class RigCapture {
     std::uint64_t starts = 0;
     bool unsynced = false;  ///< its stamps can't be believed; arrival times are used
     DropCounts dropped{};
-    std::string description;  ///< what runs since its last start, once it gave a frame
-    std::string error;        ///< of the last start or frame that failed; empty: none
-    bool misconfigured =
-        false;  ///< its last start failed for what only another configuration mends
+    std::string description;     ///< what runs since its last start, once it gave a frame
+    std::string error;           ///< of the last start or frame that failed; empty: none
+    bool misconfigured = false;  ///< it failed last for what only another configuration mends
   };
   [[nodiscard]] CameraState state(std::size_t camera) const;
   [[nodiscard]] CameraMask quorum() const;

@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <libcamera/control_ids.h>
 #include <libcamera/formats.h>
+#include <libcamera/property_ids.h>
 
 #include <algorithm>
 #include <array>
@@ -165,6 +166,27 @@ Expected<libcamera::ControlList> start_controls(const libcamera::ControlInfoMap&
   }
   if (!set) return tl::make_unexpected(set.error());
   return setter.take();
+}
+
+StampMeaning stamp_meaning(const libcamera::ControlList& metadata) {
+  return metadata.contains(controls::SensorTimestamp.id()) ? StampMeaning::start_of_exposure
+                                                           : StampMeaning::unknown;
+}
+
+Stamp exposure_of(const libcamera::ControlList& metadata, Stamp otherwise) {
+  const auto exposure_us = metadata.get(controls::ExposureTime);
+  return exposure_us ? from_us(*exposure_us) : otherwise;
+}
+
+Status check_crop(const std::string& camera, const libcamera::ControlList& metadata,
+                  const libcamera::ControlList& properties) {
+  const auto crop = metadata.get(controls::ScalerCrop);
+  const auto whole = properties.get(libcamera::properties::ScalerCropMaximum);
+  if (!crop || !whole || *crop == *whole) return {};
+  return fail(ErrorKind::config,
+              "{}: crops {} where the whole image is {}: another image than the calibrated one; "
+              "choose a resolution of the sensor's own shape",
+              camera, crop->toString(), whole->toString());
 }
 
 }  // namespace waymark

@@ -6,6 +6,7 @@
 #include "core/base/error.h"
 #include "drivers/camera_options.h"
 #include "drivers/frame_maker.h"
+#include "drivers/mid_exposure.h"
 
 namespace waymark {
 
@@ -25,5 +26,17 @@ struct StreamSettings {
 /// config for a value that the camera has no control for, or outside its range.
 [[nodiscard]] Expected<libcamera::ControlList> start_controls(
     const libcamera::ControlInfoMap& offered, const CameraOptions& options);
+
+/// What a frame's stamp means, by its metadata: libcamera's own time of it is that of its first
+/// row; without one it is only known when the buffer was filled.
+[[nodiscard]] StampMeaning stamp_meaning(const libcamera::ControlList& metadata);
+
+/// A frame's exposure, by its metadata; `otherwise` where they don't tell.
+[[nodiscard]] Stamp exposure_of(const libcamera::ControlList& metadata, Stamp otherwise);
+
+/// Config when the metadata of `camera`'s frame tell of less than the whole image, which is not
+/// what was calibrated. Cameras that don't tell of crops have none.
+[[nodiscard]] Status check_crop(const std::string& camera, const libcamera::ControlList& metadata,
+                                const libcamera::ControlList& properties);
 
 }  // namespace waymark

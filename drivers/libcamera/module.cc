@@ -18,6 +18,7 @@
 #include "drivers/libcamera/stamp_clock.h"
 #include "drivers/mid_exposure.h"
 #include "drivers/stall_watch.h"
+#include "drivers/v4l2/camera_controls.h"
 #include "drivers/v4l2/device_lookup.h"
 
 namespace waymark {
@@ -109,10 +110,13 @@ class LibcameraSource final : public FrameSource {
   [[nodiscard]] std::string describe() const override {
     if (!streams_) return {};
     const auto us = std::chrono::duration<double, std::micro>(exposure_).count();
-    return fmt::format("{} {}×{} by libcamera, exposure {}, stamps: {}", layout_.pixels->name,
-                       layout_.width_px, layout_.height_px,
-                       us > 0 ? fmt::format("{} µs", us) : std::string("not known"),
-                       name_of(StampMeaning::start_of_exposure));
+    std::string text = fmt::format("{} {}×{} by libcamera, exposure {}", layout_.pixels->name,
+                                   layout_.width_px, layout_.height_px,
+                                   us > 0 ? fmt::format("{} µs", us) : std::string("not known"));
+    if (found_.gain) text += fmt::format(", the device's gain {}", *found_.gain);
+    if (frames_.counted()) text += fmt::format(", stamps: {}", name_of(meaning_));
+    for (const std::string& note : found_.notes) text += "; " + note;
+    return text;
   }
 
  private:
@@ -152,6 +156,7 @@ class LibcameraSource final : public FrameSource {
     }
     struct stat node {};
     if (::stat(device->node.c_str(), &node) != 0) return nullptr;
+    node_ = device->node;
     return manager_->get(node.st_rdev);
   }
 
@@ -206,13 +211,16 @@ class LibcameraSource final : public FrameSource {
   [[nodiscard]] Status stream() {
     auto controls = start_controls(camera_->controls(), options_.camera);
     if (!controls) return tl::make_unexpected(controls.error());
-    exposure_ = from_us(options_.camera.controls.exposure_us.value_or(0));
     camera_->requestCompleted.connect(this, [this](libcamera::Request* r) { queue_.complete(r); });
     camera_->disconnected.connect(this, [this] { queue_.disconnect(); });
     if (auto started = done("can't stream", camera_->start(&*controls)); !started) return started;
     streams_ = true;
+    looked_ = false;
+    found_ = {};
     frames_.begin(layout_, memory_, requests_.size());
     stall_.begin(system_->now(), options_.camera.request.fps);
+    // Cameras of some drivers, USB ones among them, take controls from requests alone.
+    requests_.front()->controls().merge(*controls);
     for (auto& request : requests_) {
       if (auto given = queue(*request); !given) return given;
     }
@@ -252,10 +260,16 @@ class LibcameraSource final : public FrameSource {
       return fail(ErrorKind::io, "{}: libcamera cancelled a request; starting it again",
                   camera_->id());
     }
+    const bool damaged =
+        about.status == libcamera::FrameMetadata::FrameError || about.planes().empty();
+    if (!damaged && !looked_) {
+      if (auto seen = look_at_first(request); !seen) return tl::make_unexpected(seen.error());
+      looked_ = true;
+    }
     const auto index = static_cast<std::uint32_t>(request.cookie());
     const FrameInfo info = info_of(request, about);
     FrameMaker::Made made;
-    if (about.status == libcamera::FrameMetadata::FrameError || about.planes().empty()) {
+    if (damaged) {
       frames_.discard();
     } else {
       const std::size_t filled =
@@ -269,16 +283,33 @@ class LibcameraSource final : public FrameSource {
     return std::move(made.frame);
   }
 
+  /// What only a stream that runs shows: whether the image is whole, and how the camera took what
+  /// was set with the first request. libcamera 0.0.3 tells nothing of USB cameras' settings; the
+  /// device does.
+  [[nodiscard]] Status look_at_first(libcamera::Request& request) {
+    if (auto whole = check_crop(camera_->id(), request.metadata(), camera_->properties()); !whole) {
+      return whole;
+    }
+    if (node_.empty() || request.metadata().contains(libcamera::controls::ExposureTime.id())) {
+      return {};
+    }
+    auto node = system_->open(node_);
+    if (!node) return tl::make_unexpected(node.error());
+    auto found = read_controls(**node, options_.camera.controls);
+    if (!found) return tl::make_unexpected(found.error());
+    found_ = std::move(*found);
+    return {};
+  }
+
   [[nodiscard]] FrameInfo info_of(libcamera::Request& request,
                                   const libcamera::FrameMetadata& about) {
     const auto sensor = request.metadata().get(libcamera::controls::SensorTimestamp);
-    const auto exposure_us = request.metadata().get(libcamera::controls::ExposureTime);
-    if (exposure_us) exposure_ = from_us(*exposure_us);
+    exposure_ = exposure_of(request.metadata(), found_.exposure);
+    meaning_ = stamp_meaning(request.metadata());
     const Stamp now = system_->now();
     const Stamp stamp = to_monotonic(
         Stamp(sensor ? *sensor : static_cast<std::int64_t>(about.timestamp)), now, boottime_now());
-    const MidExposure mid =
-        mid_exposure(StampMeaning::start_of_exposure, stamp, {exposure_, options_.camera.readout});
+    const MidExposure mid = mid_exposure(meaning_, stamp, {exposure_, options_.camera.readout});
     FrameInfo info;
     info.stamp = mid.stamp;
     info.quality = mid.quality;
@@ -316,8 +347,12 @@ class LibcameraSource final : public FrameSource {
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;
   std::shared_ptr<Memory> memory_;  ///< per buffer its first plane
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
-  Stamp exposure_{0};  ///< 0: not known
+  std::string node_;       ///< of Video4Linux; empty: not known
+  AppliedControls found_;  ///< read back from it
+  Stamp exposure_{0};      ///< of the last frame; 0: not known
+  StampMeaning meaning_ = StampMeaning::unknown;
   bool streams_ = false;
+  bool looked_ = false;  ///< at the running stream's first whole frame
 };
 
 }  // namespace

@@ -11,6 +11,11 @@ namespace {
 /// V4L2_CID_EXPOSURE_ABSOLUTE counts in these.
 constexpr double kExposureUnit_us = 100;
 
+constexpr std::string_view kIsAutomatic =
+    "exposure is automatic: stamps are off by up to half of it; set exposure_us";
+constexpr std::string_view kStaysAutomatic =
+    "automatic exposure can't be switched off: stamps are off by up to half of it";
+
 struct Range {
   std::uint32_t id = 0;
   double low = 0;
@@ -125,25 +130,20 @@ class Applying {
     return applied_;
   }
 
+  Expected<AppliedControls> read() {
+    if (auto done = read_exposure(); !done) return tl::make_unexpected(done.error());
+    read_gain();
+    return applied_;
+  }
+
  private:
   Status exposure() {
-    if (!wanted_.exposure_us) {
-      const auto mode = panel_.read(V4L2_CID_EXPOSURE_AUTO);
-      if (!mode) return tl::make_unexpected(mode.error());
-      if (is_automatic(*mode)) {
-        note("exposure is automatic: stamps are off by up to half of it; set exposure_us");
-        return {};
-      }
-      const auto now = panel_.read(V4L2_CID_EXPOSURE_ABSOLUTE);
-      if (!now) return tl::make_unexpected(now.error());
-      if (*now) applied_.exposure = from_us(**now * kExposureUnit_us);
-      return {};
-    }
+    if (!wanted_.exposure_us) return read_exposure();
     const auto off = panel_.switch_off(V4L2_CID_EXPOSURE_AUTO,
                                        {V4L2_EXPOSURE_MANUAL, V4L2_EXPOSURE_SHUTTER_PRIORITY});
     if (!off) return tl::make_unexpected(off.error());
     if (!*off) {
-      note("automatic exposure can't be switched off: stamps are off by up to half of it");
+      note(kStaysAutomatic);
       return {};
     }
     // Longer exposures must not lower the frame rate.
@@ -157,6 +157,29 @@ class Applying {
     return {};
   }
 
+  Status read_exposure() {
+    const auto mode = panel_.read(V4L2_CID_EXPOSURE_AUTO);
+    if (!mode) return tl::make_unexpected(mode.error());
+    if (is_automatic(*mode)) {
+      note(wanted_.exposure_us ? kStaysAutomatic : kIsAutomatic);
+      return {};
+    }
+    const auto range = panel_.find({V4L2_CID_EXPOSURE_ABSOLUTE});
+    if (!range) return tl::make_unexpected(range.error());
+    if (!*range) return {};
+    const auto now = panel_.read(V4L2_CID_EXPOSURE_ABSOLUTE);
+    if (!now) return tl::make_unexpected(now.error());
+    if (!*now) return {};
+    const double now_us = **now * kExposureUnit_us;
+    const double step_us = (*range)->step * kExposureUnit_us;
+    if (wanted_.exposure_us && std::abs(now_us - *wanted_.exposure_us) > step_us) {
+      return fail(ErrorKind::config, "{}: exposure_us = {} was not set, the device has {}",
+                  node_.path(), *wanted_.exposure_us, now_us);
+    }
+    applied_.exposure = from_us(now_us);
+    return {};
+  }
+
   Status gain() {
     if (wanted_.gain) {
       if (auto off = automatic_off(V4L2_CID_AUTOGAIN, "automatic gain"); !off) return off;
@@ -166,11 +189,15 @@ class Applying {
       applied_.gain = *now;
       return {};
     }
-    // Only told: a device whose gain nobody asked for is not refused because it can't say it.
-    const auto range = panel_.find({V4L2_CID_GAIN, V4L2_CID_ANALOGUE_GAIN});
-    if (!range || !*range) return {};
-    if (const auto now = panel_.read((*range)->id); now && *now) applied_.gain = **now;
+    read_gain();
     return {};
+  }
+
+  /// Only told: a device whose gain nobody asked for is not refused because it can't say it.
+  void read_gain() {
+    const auto range = panel_.find({V4L2_CID_GAIN, V4L2_CID_ANALOGUE_GAIN});
+    if (!range || !*range) return;
+    if (const auto now = panel_.read((*range)->id); now && *now) applied_.gain = **now;
   }
 
   Status white_balance() {
@@ -232,6 +259,10 @@ class Applying {
 
 Expected<AppliedControls> apply_controls(VideoNode& node, const CameraControls& controls) {
   return Applying(node, controls).run();
+}
+
+Expected<AppliedControls> read_controls(VideoNode& node, const CameraControls& wanted) {
+  return Applying(node, wanted).read();
 }
 
 }  // namespace waymark

@@ -82,5 +82,13 @@ TEST_F(RigCaptureTest, WhatOnlyAnotherConfigurationMendsIsTold) {
   EXPECT_TRUE(comes([&] { return capture_->state(0).misconfigured; }));
 }
 
+TEST_F(RigCaptureTest, WhatOnlyAnotherConfigurationMendsMayShowInTheFirstFrame) {
+  capture_->start();
+  ASSERT_TRUE(comes([&] { return capture_->state(0).starts == 1; }));
+  EXPECT_FALSE(capture_->state(0).misconfigured);
+  camera_->fail_next_with("a crop", ErrorKind::config);
+  EXPECT_TRUE(comes([&] { return capture_->state(0).misconfigured; }));
+}
+
 }  // namespace
 }  // namespace waymark

@@ -31,6 +31,11 @@ class FakeCamera final : public FrameSource, public FrameLender {
     failure_kind_ = kind;
     changed_.notify_all();
   }
+  /// Likewise, of next alone.
+  void fail_next_with(const std::string& message, ErrorKind kind) {
+    fail_with(message, kind);
+    only_next_fails_ = true;
+  }
   /// The next call does not return before release().
   void get_stuck() { stuck_ = true; }
   void release() {
@@ -47,7 +52,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
     const std::lock_guard lock(mutex_);
     stopped_ = false;
     ++starts_;
-    if (!failure_.empty()) return fail(failure_kind_, "{}", failure_);
+    if (!failure_.empty() && !only_next_fails_) return fail(failure_kind_, "{}", failure_);
     return {};
   }
   [[nodiscard]] Expected<std::optional<Frame>> next(Stamp deadline) override {
@@ -90,6 +95,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
   std::deque<Stamp> due_;
   std::string failure_;
   ErrorKind failure_kind_ = ErrorKind::unavailable;
+  std::atomic<bool> only_next_fails_{false};
   bool stopped_ = false;
   std::uint64_t sequence_ = 0;
   std::atomic<int> lent_{0};

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <libcamera/control_ids.h>
+#include <libcamera/property_ids.h>
 
 namespace waymark {
 namespace {
 
+using std::chrono::milliseconds;
 using testing::HasSubstr;
 
 namespace controls = libcamera::controls;
@@ -67,6 +69,37 @@ TEST(LibcameraControls, AValueOutsideTheCamerasRangeIsRefused) {
   expect_refused(options, "left: exposure_us = 10001 can't be set; the camera takes 100 to 10000");
   options.controls.exposure_us = 99;
   expect_refused(options, "left: exposure_us = 99 can't be set");
+}
+
+TEST(LibcameraMetadata, ExposureIsKnownWhenToldAndNeverAssumed) {
+  libcamera::ControlList metadata(controls::controls);
+  EXPECT_EQ(exposure_of(metadata, Stamp{0}), Stamp{0});
+  EXPECT_EQ(exposure_of(metadata, milliseconds(3)), milliseconds(3));
+  metadata.set(controls::ExposureTime, 2000);
+  EXPECT_EQ(exposure_of(metadata, milliseconds(3)), milliseconds(2));
+}
+
+TEST(LibcameraMetadata, AStampThatIsNotTheSensorsMeansNothingKnown) {
+  libcamera::ControlList metadata(controls::controls);
+  EXPECT_EQ(stamp_meaning(metadata), StampMeaning::unknown);
+  metadata.set(controls::SensorTimestamp, std::int64_t{1});
+  EXPECT_EQ(stamp_meaning(metadata), StampMeaning::start_of_exposure);
+}
+
+TEST(LibcameraMetadata, ACropIsRefusedWhereTheCameraTellsOfOne) {
+  const libcamera::Rectangle whole(0, 0, 1640, 1232);
+  libcamera::ControlList metadata(controls::controls);
+  libcamera::ControlList properties(libcamera::properties::properties);
+  EXPECT_TRUE(check_crop("left", metadata, properties));
+  metadata.set(controls::ScalerCrop, libcamera::Rectangle(0, 0, 1640, 1231));
+  EXPECT_TRUE(check_crop("left", metadata, properties));
+  properties.set(libcamera::properties::ScalerCropMaximum, whole);
+  const Status cropped = check_crop("left", metadata, properties);
+  ASSERT_FALSE(cropped);
+  EXPECT_EQ(cropped.error().kind, ErrorKind::config);
+  EXPECT_THAT(cropped.error().message, HasSubstr("left: crops (0, 0)/1640x1231"));
+  metadata.set(controls::ScalerCrop, whole);
+  EXPECT_TRUE(check_crop("left", metadata, properties));
 }
 
 }  // namespace

@@ -156,5 +156,35 @@ TEST_F(CameraControlsTest, AFailedQuestionIsNoAbsentControl) {
   }
 }
 
+TEST_F(CameraControlsTest, WhatAnotherLibraryHasSetIsReadBackAndNothingIsWritten) {
+  const auto read = [&](const CameraControls& wanted) {
+    test::FakeVideoNode node(device_);
+    return read_controls(node, wanted);
+  };
+  auto found = read({.exposure_us = 3000});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->exposure, Stamp{0});
+  EXPECT_THAT(found->notes, ElementsAre(HasSubstr("automatic exposure can't be switched off")));
+  device_.controls[V4L2_CID_EXPOSURE_AUTO].value = V4L2_EXPOSURE_MANUAL;
+  found = read({.exposure_us = 3000});
+  ASSERT_FALSE(found);
+  EXPECT_EQ(found.error().kind, ErrorKind::config);
+  EXPECT_THAT(found.error().message,
+              HasSubstr("exposure_us = 3000 was not set, the device has 10"));
+  device_.controls[V4L2_CID_EXPOSURE_ABSOLUTE].value = 30;
+  found = read({.exposure_us = 3040});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->exposure, microseconds(3000));
+  EXPECT_EQ(found->gain, 16);
+  EXPECT_FALSE(read({.exposure_us = 3101}));
+  device_.controls.clear();
+  found = read({.exposure_us = 3000});
+  ASSERT_TRUE(found) << found.error().message;
+  EXPECT_EQ(found->exposure, Stamp{0});
+  device_.gone = true;
+  EXPECT_EQ(read({}).error().kind, ErrorKind::unavailable);
+  EXPECT_THAT(device_.written, IsEmpty());
+}
+
 }  // namespace
 }  // namespace waymark
