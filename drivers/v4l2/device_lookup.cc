@@ -19,7 +19,8 @@ bool is_number(std::string_view path) {
 }
 
 bool fits(const DeviceIdentity& identity, const VideoDevice& device) {
-  return may_be(identity, device) && (identity.bus.empty() || identity.bus == device.bus);
+  return device.permitted && may_be(identity, device) &&
+         (identity.bus.empty() || identity.bus == device.bus);
 }
 
 std::string names_of(const std::vector<VideoDevice>& devices) {
@@ -30,7 +31,12 @@ std::string names_of(const std::vector<VideoDevice>& devices) {
 
 }  // namespace
 
+std::string not_permitted(const std::string& node) {
+  return node + ": not allowed; the user must be in group video (usermod -aG video USER)";
+}
+
 std::string name_of(const VideoDevice& device) {
+  if (!device.permitted) return device.node;
   return fmt::format("{} ({}, {}{}{})", device.node, device.card, device.bus,
                      device.serial.empty() ? "" : ", serial ", device.serial);
 }
@@ -88,6 +94,13 @@ Expected<VideoDevice> find_device(const DeviceIdentity& identity,
                [&](const VideoDevice& device) { return fits(identity, device); });
   if (fitting.size() == 1) return fitting.front();
   if (fitting.empty()) {
+    // Also at boot, before udev has given the nodes to their group.
+    const auto forbidden = std::find_if(devices.begin(), devices.end(), [&](const auto& device) {
+      return !device.permitted && may_be(identity, device);
+    });
+    if (forbidden != devices.end()) {
+      return fail(ErrorKind::permission, "{}: {}", identity.text(), not_permitted(forbidden->node));
+    }
     return fail(ErrorKind::unavailable,
                 "{}: no such camera is plugged in; locd --list-cameras names those that are",
                 identity.text());

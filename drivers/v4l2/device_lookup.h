@@ -12,6 +12,9 @@ namespace waymark {
 /// "/dev/video2 (Emu Grey, usb-0000:00:14.0-2, serial 4711)", for messages.
 [[nodiscard]] std::string name_of(const VideoDevice& device);
 
+/// Why a node can't be opened that exists, and what helps, for messages.
+[[nodiscard]] std::string not_permitted(const std::string& node);
+
 /// Of "/dev/v4l/by-id/…", "serial=…", "bus=…", or "bus=… serial=…". config for anything else, and
 /// for /dev/videoN.
 [[nodiscard]] Expected<DeviceIdentity> parse_device_identity(std::string_view text);
@@ -19,7 +22,8 @@ namespace waymark {
 /// Whether a device may be the wanted one, by all that is known without opening it: not its bus.
 [[nodiscard]] bool may_be(const DeviceIdentity& wanted, const VideoDevice& device);
 
-/// The one device that fits. Errors: unavailable when there is none; config when several can't be
+/// The one device that fits, among those that may be opened. Errors: permission when none does and
+/// one that may not be opened could; unavailable when there is none; config when several can't be
 /// told apart by it.
 [[nodiscard]] Expected<VideoDevice> find_device(const DeviceIdentity& identity,
                                                 const std::vector<VideoDevice>& devices);

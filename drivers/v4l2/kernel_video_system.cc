@@ -146,9 +146,7 @@ class KernelVideoSystem final : public VideoSystem {
     Descriptor file(::open(node.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC));
     if (file.valid()) return std::make_unique<KernelVideoNode>(node, std::move(file));
     if (errno == EACCES || errno == EPERM) {
-      return fail(ErrorKind::permission,
-                  "{}: not allowed; the user must be in group video (usermod -aG video USER)",
-                  node);
+      return fail(ErrorKind::permission, "{}", not_permitted(node));
     }
     return fail(ErrorKind::unavailable, "{}: can't be opened: {}", node, system_reason());
   }
@@ -168,8 +166,8 @@ class KernelVideoSystem final : public VideoSystem {
     const auto opened = open(camera.node);
     v4l2_capability about{};
     if (!opened) {
-      // Another's to open: still to be named, by what the system knows of it.
       if (opened.error().kind != ErrorKind::permission) return std::nullopt;
+      camera.permitted = false;
       return camera;
     }
     if ((*opened)->request(VIDIOC_QUERYCAP, &about) != 0) return std::nullopt;

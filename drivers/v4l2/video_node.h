@@ -52,6 +52,8 @@ struct VideoDevice {
   std::string bus;                 ///< as the driver says: usb-0000:00:14.0-2, platform:vivid-000
   std::string serial;              ///< of its USB device; empty where it states none
   std::string card;                ///< what the maker calls it
+  /// False: we may not open it, so its bus, and whether it is a camera at all, is not known.
+  bool permitted = true;
 };
 
 /// The video devices of a machine, and its time. Used from several threads.
@@ -59,8 +61,9 @@ class VideoSystem {
  public:
   virtual ~VideoSystem() = default;
 
-  /// Everything that captures video by streaming and may be `wanted`, sorted by node. What can't be
-  /// is not opened: a device that hangs must not hold up another's camera.
+  /// Everything that captures video by streaming and may be `wanted`, and what may not be opened to
+  /// find that out, sorted by node. What can't be `wanted` is not opened: a device that hangs must
+  /// not hold up another's camera.
   [[nodiscard]] virtual std::vector<VideoDevice> devices(const DeviceIdentity& wanted = {}) = 0;
   /// Errors: unavailable when it has gone, permission naming the group.
   [[nodiscard]] virtual Expected<std::unique_ptr<VideoNode>> open(const std::string& node) = 0;

@@ -78,6 +78,10 @@ TEST_F(RigCaptureTest, WhatOnlyAnotherConfigurationMendsIsTold) {
   capture_->start();
   ASSERT_TRUE(comes([&] { return !capture_->state(0).error.empty(); }));
   EXPECT_FALSE(capture_->state(0).misconfigured);
+  // As at boot, before udev has set the group: it is tried again, not ended with 78.
+  camera_->fail_with("group video", ErrorKind::permission);
+  ASSERT_TRUE(comes([&] { return capture_->state(0).error == "group video"; }));
+  EXPECT_FALSE(capture_->state(0).misconfigured);
   camera_->fail_with("another serial number", ErrorKind::config);
   EXPECT_TRUE(comes([&] { return capture_->state(0).misconfigured; }));
 }

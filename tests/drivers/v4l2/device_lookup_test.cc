@@ -80,6 +80,41 @@ TEST(FindDevice, TwoThatCantBeToldApartAreRefused) {
   }
 }
 
+/// A camera with its node of metadata, before or after udev lets our group open them.
+std::vector<VideoDevice> nodes_of_one_camera(bool image_permitted, bool metadata_permitted) {
+  std::vector<VideoDevice> nodes;
+  const std::vector<std::string> links{"/dev/v4l/by-id/usb-left"};
+  if (image_permitted) {
+    nodes.push_back({"/dev/video0", links, "usb-1", "left", "Grey"});
+  } else {
+    nodes.push_back({"/dev/video0", links, "", "left", "", false});
+  }
+  // Once it can be opened it is seen to be no camera, and not listed.
+  if (!metadata_permitted) nodes.push_back({"/dev/video1", {}, "", "left", "", false});
+  return nodes;
+}
+
+TEST(FindDevice, ANodeThatMayNotBeOpenedIsNeitherASecondCameraNorAnAbsentOne) {
+  for (const char* text :
+       {"serial=left", "bus=usb-1", "bus=usb-1 serial=left", "/dev/v4l/by-id/usb-left"}) {
+    const DeviceIdentity identity = *parse_device_identity(text);
+    EXPECT_TRUE(find_device(identity, nodes_of_one_camera(true, true))) << text;
+    const auto found = find_device(identity, nodes_of_one_camera(true, false));
+    ASSERT_TRUE(found) << text << found.error().message;
+    EXPECT_EQ(found->node, "/dev/video0");
+    for (const bool metadata : {true, false}) {
+      const auto refused = find_device(identity, nodes_of_one_camera(false, metadata));
+      ASSERT_FALSE(refused) << text;
+      EXPECT_EQ(refused.error().kind, ErrorKind::permission) << refused.error().message;
+      EXPECT_THAT(refused.error().message, HasSubstr("/dev/video0"));
+      EXPECT_THAT(refused.error().message, HasSubstr("group video"));
+    }
+  }
+  const auto another = find_device({"", "right", ""}, nodes_of_one_camera(false, false));
+  ASSERT_FALSE(another);
+  EXPECT_EQ(another.error().kind, ErrorKind::unavailable);
+}
+
 TEST(FindDevice, LinksThatOthersMadeLeadThereToo) {
   TemporaryFolder folder;
   const std::string node = folder.write("node", "").string();
