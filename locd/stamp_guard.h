@@ -16,19 +16,22 @@ struct StampGuardOptions {
 };
 
 /// Checks one camera's stamps: a stamp in the future, older than three periods, or that does not
-/// rise is refused; when that goes on, the frame's arrival takes its place, flagged as such. Pure.
+/// rise is refused; when that goes on, the frame's arrival takes its place, flagged as such. Frames
+/// that waited for us and come in a burst are as old as they say: they count for nothing. Pure.
 class StampGuard {
  public:
   explicit StampGuard(const StampGuardOptions& options = {}) : options_(options) {}
 
-  /// Corrects the frame's stamp; false: the frame is to be dropped.
-  [[nodiscard]] bool admit(Frame& frame, Stamp now);
+  /// Corrects the stamp of a frame that came at `arrival`; false: the frame is to be dropped.
+  [[nodiscard]] bool admit(Frame& frame, Stamp arrival);
 
   /// Arrival times stand in for stamps.
   [[nodiscard]] bool unsynced() const { return unsynced_; }
 
  private:
-  [[nodiscard]] bool believable(Stamp stamp, Stamp now) const;
+  [[nodiscard]] bool believable(Stamp stamp, Stamp arrival) const;
+  /// Whether the frame comes in a burst.
+  [[nodiscard]] bool learn_period(Stamp arrival);
 
   StampGuardOptions options_;
   std::optional<Stamp> last_stamp_;   ///< of the last frame admitted

@@ -113,6 +113,17 @@ INSTANTIATE_TEST_SUITE_P(
              "0:33 1:33 2:33"}),
     [](const auto& info) { return std::string(info.param.name); });
 
+TEST(FrameSynchronizer, AMicrosecondBeyondTheToleranceIsAnotherSet) {
+  for (const auto& [beyond, together] :
+       {std::pair(Stamp{0}, true), {std::chrono::microseconds(1), false}}) {
+    Lender lender;
+    FrameSynchronizer sync(2, options_of(5, 25));
+    sync.push(0, lender.lend(Stamp{0}), milliseconds(1));
+    sync.push(1, lender.lend(milliseconds(5) + beyond), milliseconds(6));
+    EXPECT_EQ(sync.take(milliseconds(6)).has_value(), together);
+  }
+}
+
 TEST(FrameSynchronizer, ADeadCameraLeavesTheQuorumAndRejoins) {
   SyncOptions options = options_of(5, 25);
   options.leave_after_sets = 3;
