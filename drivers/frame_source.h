@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/base/error.h"
 #include "drivers/frame.h"
@@ -10,8 +11,8 @@ namespace waymark {
 
 /// What a camera's device is, without starting it.
 struct DeviceReport {
-  std::string text;               ///< in a line: which device, what it can do
-  std::optional<int> holder_pid;  ///< of another program that has it open, where that can be seen
+  std::string text;          ///< in a line: which device, what it can do
+  std::vector<int> holders;  ///< processes that have it open, where that can be seen
 };
 
 /// The seam to one camera, whatever brings its images: v4l2, libcamera, a capture played back.
@@ -41,6 +42,10 @@ class FrameSource {
 
   /// Gives the device back to the system; frames that are lent stay as they are.
   virtual void close() {}
+
+  /// When a call to the device last returned (CLOCK_MONOTONIC), from any thread: a start of many
+  /// slow calls goes on, one that is stuck in a call does not. 0: not told.
+  [[nodiscard]] virtual Stamp last_turn() const { return Stamp{0}; }
 
   /// No frame will ever come again: a capture played to its end.
   [[nodiscard]] virtual bool ended() const { return false; }

@@ -9,8 +9,6 @@
 namespace waymark {
 namespace {
 
-constexpr Stamp kFirstPause = std::chrono::milliseconds(100);
-constexpr Stamp kLongestPause = std::chrono::seconds(5);
 /// A waiting camera's loop turns at least this often.
 constexpr Stamp kTurn = std::chrono::milliseconds(200);
 
@@ -61,7 +59,7 @@ void RigCapture::run(std::size_t index, bool realtime) {
   name_thread(camera.source->name());
   // The start of the program has found out whether it may.
   if (realtime) static_cast<void>(make_realtime(kCapturePriority));
-  Stamp pause_for = kFirstPause;
+  BackOff back_off;
   std::uint64_t retries_seen = 0;
   const auto note = [&](auto&& change) {
     const std::lock_guard lock(mutex_);
@@ -73,7 +71,7 @@ void RigCapture::run(std::size_t index, bool realtime) {
     const Status started = camera.source->start();
     note([&](CameraState& state) {
       ++state.starts;
-      state.error.clear();
+      // What ended the last one stands until a frame proves it over.
       state.misconfigured = false;
       if (!started) note_failure(state, started.error());
     });
@@ -85,16 +83,19 @@ void RigCapture::run(std::size_t index, bool realtime) {
       running = note([&](CameraState& state) {
         state.damaged = camera.source->damaged();
         state.lost = camera.source->lost();
-        if (tells) state.description = camera.source->describe();
+        if (tells) {
+          state.description = camera.source->describe();
+          state.error.clear();
+        }
         if (!frame) note_failure(state, frame.error());
       });
       if (!frame) break;
       if (!*frame) continue;
-      pause_for = kFirstPause;
+      back_off.begin_anew();
       deliver(index, std::move(**frame));
     }
     if (camera.source->ended()) break;
-    if (!pause(camera, pause_for, retries_seen)) break;
+    if (!pause(camera, back_off, retries_seen)) break;
   }
   camera.source->close();
   const std::lock_guard lock(mutex_);
@@ -102,16 +103,16 @@ void RigCapture::run(std::size_t index, bool realtime) {
   changed_.notify_all();
 }
 
-bool RigCapture::pause(Camera& camera, Stamp& duration, std::uint64_t retries_seen) {
+bool RigCapture::pause(Camera& camera, BackOff& back_off, std::uint64_t retries_seen) {
   std::unique_lock lock(mutex_);
-  const Stamp end = monotonic_now() + duration;
+  const Stamp end = monotonic_now() + back_off.next();
   const auto ended = [&] { return stopping_ || retries_ != retries_seen; };
   // To wait for a device is a turn.
   for (Stamp now{0}; !ended() && (now = monotonic_now()) < end;) {
     camera.state.last_turn = now;
     changed_.wait_until(lock, as_time_point(std::min(now + kTurn, end)), ended);
   }
-  duration = ended() ? kFirstPause : std::min(2 * duration, kLongestPause);
+  if (ended()) back_off.begin_anew();
   return !stopping_;
 }
 
@@ -127,7 +128,8 @@ void RigCapture::deliver(std::size_t camera, Frame frame) {
   CameraState& state = cameras_[camera].state;
   state.last_frame = now;
   ++state.frames;
-  const bool admitted = cameras_[camera].stamps.admit(frame, now);
+  // Not now: a frame may have been converted since it came.
+  const bool admitted = cameras_[camera].stamps.admit(frame, frame.info().arrival);
   state.unsynced = cameras_[camera].stamps.unsynced();
   if (!admitted) {
     ++state.dropped[static_cast<std::size_t>(DropReason::bad_stamp)];
@@ -178,6 +180,7 @@ bool RigCapture::ended() const {
 RigCapture::CameraState RigCapture::state(std::size_t camera) const {
   const std::lock_guard lock(mutex_);
   CameraState state = cameras_[camera].state;
+  state.last_turn = std::max(state.last_turn, cameras_[camera].source->last_turn());
   const DropCounts& by_stamps = synchronizer_.dropped(camera);
   for (std::size_t r = 0; r < kDropReasons; ++r) state.dropped[r] += by_stamps[r];
   return state;

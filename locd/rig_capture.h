@@ -7,6 +7,7 @@
 
 #include "core/base/priority_mutex.h"
 #include "drivers/frame_source.h"
+#include "locd/back_off.h"
 #include "locd/frame_synchronizer.h"
 #include "locd/stamp_guard.h"
 
@@ -40,8 +41,9 @@ class RigCapture {
 
   /// What a status message says of a camera.
   struct CameraState {
-    Stamp last_frame{0};  ///< arrival
-    Stamp last_turn{0};   ///< when its loop last turned: a watchdog's food
+    Stamp last_frame{0};   ///< arrival
+    /// When its loop, or one of the device's calls within it, last turned: a watchdog's food.
+    Stamp last_turn{0};
     std::uint64_t frames = 0;
     std::uint64_t damaged = 0;
     std::uint64_t lost = 0;  ///< frames that the device took and nobody got
@@ -49,7 +51,7 @@ class RigCapture {
     bool unsynced = false;  ///< its stamps can't be believed; arrival times are used
     DropCounts dropped{};
     std::string description;     ///< what runs since its last start, once it gave a frame
-    std::string error;           ///< of the last start or frame that failed; empty: none
+    std::string error;           ///< of what failed last, until a frame comes; empty: none
     bool misconfigured = false;  ///< it failed last for what only another configuration mends
   };
   [[nodiscard]] CameraState state(std::size_t camera) const;
@@ -67,8 +69,8 @@ class RigCapture {
   void deliver(std::size_t camera, Frame frame);
   /// With the mutex held: makes sets that are ready the newest one.
   void gather(Stamp now);
-  /// False when it shall stop; `duration` is what to wait for the next time.
-  bool pause(Camera& camera, Stamp& duration, std::uint64_t retries_seen);
+  /// False when it shall stop.
+  bool pause(Camera& camera, BackOff& back_off, std::uint64_t retries_seen);
 
   mutable PriorityMutex mutex_;
   PriorityCondition changed_;

@@ -64,6 +64,45 @@ TEST_F(RigCaptureTest, WaitingForADeviceIsATurn) {
   EXPECT_LT(oldest, milliseconds(600));
 }
 
+TEST_F(RigCaptureTest, AStartOfManyCallsTurnsOneThatIsStuckDoesNot) {
+  camera_->get_stuck();
+  capture_->start();
+  ASSERT_TRUE(comes([&] { return capture_->state(0).last_turn > Stamp{0}; }));
+  const Stamp before = capture_->state(0).last_turn;
+  EXPECT_EQ(capture_->state(0).last_turn, before) << "stuck in start";
+  camera_->turn(before + milliseconds(5));
+  EXPECT_EQ(capture_->state(0).last_turn, before + milliseconds(5));
+  camera_->release();
+}
+
+TEST_F(RigCaptureTest, WhatEndedACameraIsSaidUntilItsNextFrame) {
+  capture_->start();
+  camera_->give(monotonic_now());
+  ASSERT_TRUE(comes([&] { return capture_->state(0).frames == 1; }));
+  camera_->fail_next_with("no whole frame for 2.2 s", ErrorKind::io);
+  ASSERT_TRUE(comes([&] { return !capture_->state(0).error.empty(); }));
+  camera_->fail_with("");
+  ASSERT_TRUE(comes([&] { return capture_->state(0).starts >= 2; }));
+  EXPECT_EQ(capture_->state(0).error, "no whole frame for 2.2 s") << "it runs, but gives no frame";
+  camera_->give(monotonic_now());
+  ASSERT_TRUE(comes([&] { return capture_->state(0).frames == 2; }));
+  EXPECT_EQ(capture_->state(0).error, "");
+}
+
+TEST_F(RigCaptureTest, ArrivalIsWhenTheDriverGaveTheFrameNotWhenItWasConverted) {
+  camera_->take_long(milliseconds(400));
+  capture_->start();
+  const Stamp an_hour_off = monotonic_now() + std::chrono::hours(1);
+  std::optional<FrameSetLease> set;
+  for (int i = 0; i < 50 && !set; ++i) {  // until its stamps are not believed
+    camera_->give(an_hour_off + i * milliseconds(1));
+    set = capture_->wait(monotonic_now() + milliseconds(20));
+  }
+  ASSERT_TRUE(set);
+  EXPECT_EQ(set->frames[0].info().quality, StampQuality::arrival);
+  EXPECT_EQ(set->frames[0].stamp(), set->frames[0].info().arrival);
+}
+
 TEST_F(RigCaptureTest, TheDeviceIsClosedByItsOwnThreadWhenItEnds) {
   capture_->start();
   camera_->give(monotonic_now());

@@ -9,6 +9,7 @@
 
 #include "drivers/frame_source.h"
 #include "drivers/monotonic_clock.h"
+#include "drivers/turn_stamp.h"
 
 namespace waymark::test {
 
@@ -42,6 +43,10 @@ class FakeCamera final : public FrameSource, public FrameLender {
     stuck_ = false;
     stuck_.notify_all();
   }
+  /// A call to the device returns, while another is under way.
+  void turn(Stamp now) { turns_.touch(now); }
+  /// From now on frames arrive so long before next gives them.
+  void take_long(Stamp time) { delay_ = time; }
   [[nodiscard]] int lent() const { return lent_; }
   [[nodiscard]] int starts() const { return starts_; }
   [[nodiscard]] bool closed() const { return closed_; }
@@ -64,7 +69,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
     if (stopped_ || due_.empty()) return std::nullopt;
     FrameInfo info;
     info.stamp = due_.front();
-    info.arrival = monotonic_now();
+    info.arrival = monotonic_now() - delay_;
     info.sequence = sequence_++;
     due_.pop_front();
     ++lent_;
@@ -82,6 +87,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
     changed_.notify_all();
   }
   void close() override { closed_ = true; }
+  [[nodiscard]] Stamp last_turn() const override { return turns_.last(); }
   [[nodiscard]] std::string describe() const override { return "64×48, fake"; }
   void take_back(std::uint32_t /*slot*/) noexcept override { --lent_; }
 
@@ -98,6 +104,8 @@ class FakeCamera final : public FrameSource, public FrameLender {
   std::atomic<bool> only_next_fails_{false};
   bool stopped_ = false;
   std::uint64_t sequence_ = 0;
+  Stamp delay_{0};  ///< set before frames are given
+  TurnStamp turns_;
   std::atomic<int> lent_{0};
   std::atomic<int> starts_{0};
   std::atomic<bool> closed_{false};
