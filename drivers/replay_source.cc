@@ -50,8 +50,7 @@ class ReplaySource final : public FrameSource, public FrameLender {
 
   [[nodiscard]] Expected<DeviceReport> inspect() override {
     return DeviceReport{
-        fmt::format("{}, {} frames", capture_->folder().path.string(), entries_.size()),
-        std::nullopt};
+        fmt::format("{}, {} frames", capture_->folder().path.string(), entries_.size()), {}};
   }
 
   void take_back(std::uint32_t slot) noexcept override {

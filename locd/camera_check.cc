@@ -2,6 +2,8 @@
 
 #include <fmt/ostream.h>
 
+#include <algorithm>
+
 #include "drivers/monotonic_clock.h"
 
 namespace waymark {
@@ -27,7 +29,7 @@ Expected<std::string> check(FrameSource& camera, std::optional<int> owner, std::
   const auto device = camera.inspect();
   if (!device) return tl::make_unexpected(device.error());
   fmt::print(out, "{}: {}\n", camera.name(), device->text);
-  if (owner && device->holder_pid == owner) {
+  if (owner && std::count(device->holders.begin(), device->holders.end(), *owner) > 0) {
     return fmt::format("in use by the running locd (pid {})", *owner);
   }
   auto tried = try_out(camera);

@@ -25,7 +25,7 @@ void print_block(std::ostream& out, std::size_t number, const VideoDevice& devic
 }  // namespace
 
 Status list_cameras(VideoSystem& system, std::ostream& out) {
-  const auto devices = system.devices();
+  const auto devices = find_cameras(system);
   std::size_t number = 0;
   for (const VideoDevice& device : devices) {
     const auto node = system.open(device.node);

@@ -41,7 +41,7 @@ class RigCapture {
 
   /// What a status message says of a camera.
   struct CameraState {
-    Stamp last_frame{0};   ///< arrival
+    Stamp last_frame{0};  ///< arrival
     /// When its loop, or one of the device's calls within it, last turned: a watchdog's food.
     Stamp last_turn{0};
     std::uint64_t frames = 0;

@@ -20,6 +20,7 @@
 #include "drivers/stall_watch.h"
 #include "drivers/v4l2/camera_controls.h"
 #include "drivers/v4l2/device_lookup.h"
+#include "drivers/v4l2/turning_video_system.h"
 
 namespace waymark {
 namespace {
@@ -52,7 +53,7 @@ Expected<std::shared_ptr<libcamera::CameraManager>> shared_manager() {
 class LibcameraSource final : public FrameSource {
  public:
   LibcameraSource(std::shared_ptr<VideoSystem> system, const LibcameraOptions& options)
-      : system_(std::move(system)), options_(options) {}
+      : system_(turning(std::move(system), turns_)), options_(options) {}
   ~LibcameraSource() override { LibcameraSource::close(); }
   LibcameraSource(const LibcameraSource&) = delete;
   LibcameraSource& operator=(const LibcameraSource&) = delete;
@@ -94,6 +95,7 @@ class LibcameraSource final : public FrameSource {
     camera_.reset();
   }
 
+  [[nodiscard]] Stamp last_turn() const override { return turns_.last(); }
   [[nodiscard]] std::uint64_t damaged() const override { return frames_.damaged(); }
   [[nodiscard]] std::uint64_t lost() const override { return frames_.lost(); }
 
@@ -104,6 +106,10 @@ class LibcameraSource final : public FrameSource {
     DeviceReport report;
     report.text = fmt::format("{} ({}), offers {}", (*camera)->id(), model.value_or("no model"),
                               offered_formats(**camera));
+    if (node_.empty()) return report;
+    const auto node = system_->open(node_);
+    if (!node) return tl::make_unexpected(node.error());
+    for (const DeviceHolder& holder : (*node)->holders()) report.holders.push_back(holder.pid);
     return report;
   }
 
@@ -125,6 +131,7 @@ class LibcameraSource final : public FrameSource {
       auto manager = shared_manager();
       if (!manager) return tl::make_unexpected(manager.error());
       manager_ = std::move(*manager);
+      turns_.touch(system_->now());
     }
     auto camera = options_.id.empty() ? find_by_device() : find_by_id();
     if (camera && *camera == nullptr) {
@@ -149,7 +156,7 @@ class LibcameraSource final : public FrameSource {
   }
   [[nodiscard]] Expected<std::shared_ptr<libcamera::Camera>> find_by_device() {
     const auto device =
-        find_device(options_.camera.device, system_->devices(options_.camera.device));
+        find_device(options_.camera.device, find_cameras(*system_, options_.camera.device));
     if (!device) return tl::make_unexpected(device.error());
     if (auto same = check_serial(*device, options_.camera); !same) {
       return tl::make_unexpected(same.error());
@@ -164,6 +171,7 @@ class LibcameraSource final : public FrameSource {
     auto camera = find_camera();
     if (!camera) return tl::make_unexpected(camera.error());
     const int failed = (*camera)->acquire();
+    turns_.touch(system_->now());
     if (failed == -EBUSY) {
       return fail(ErrorKind::unavailable,
                   "{}: another program uses it; `sudo fuser -v /dev/media* /dev/video*` names it",
@@ -327,7 +335,8 @@ class LibcameraSource final : public FrameSource {
     return done("takes no request", camera_->queueRequest(&request));
   }
   /// The error of one of libcamera's calls, which return a negative errno.
-  [[nodiscard]] Status done(std::string_view what, int result) const {
+  [[nodiscard]] Status done(std::string_view what, int result) {
+    turns_.touch(system_->now());
     if (result >= 0) return {};
     return fail(result == -ENODEV ? ErrorKind::unavailable : ErrorKind::io, "{}: {}: {}",
                 camera_->id(), what, reason(result));
@@ -335,6 +344,7 @@ class LibcameraSource final : public FrameSource {
 
   using Memory = std::vector<std::shared_ptr<const std::uint8_t>>;
 
+  TurnStamp turns_;
   std::shared_ptr<VideoSystem> system_;
   LibcameraOptions options_;
   RequestQueue queue_;

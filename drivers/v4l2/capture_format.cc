@@ -6,6 +6,7 @@
 #include <cerrno>
 #include <cmath>
 
+#include "drivers/v4l2/capture_capability.h"
 #include "drivers/v4l2/node_error.h"
 
 namespace waymark {
@@ -18,18 +19,13 @@ constexpr std::uint32_t kMaxListed = 64;
 
 /// Whether the device's buffers have several planes; config when it does not capture by streaming.
 Expected<bool> is_multiplanar(VideoNode& node) {
-  v4l2_capability about{};
-  if (const int failed = node.request(VIDIOC_QUERYCAP, &about); failed != 0) {
-    return tl::make_unexpected(node_error(node, "can't be asked what it is", failed));
-  }
-  const __u32 can =
-      (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
-  const bool multiplanar = (can & V4L2_CAP_VIDEO_CAPTURE_MPLANE) != 0;
-  if ((can & V4L2_CAP_STREAMING) == 0 || (!multiplanar && (can & V4L2_CAP_VIDEO_CAPTURE) == 0)) {
+  const auto can = capture_capability(node);
+  if (!can) return tl::make_unexpected(can.error());
+  if (!can->streams()) {
     return fail(ErrorKind::config, "{}: is no camera that streams; locd --list-cameras names those",
                 node.path());
   }
-  return multiplanar;
+  return can->multiplanar;
 }
 
 Expected<std::vector<std::uint32_t>> offered_fourccs(VideoNode& node, v4l2_buf_type type) {

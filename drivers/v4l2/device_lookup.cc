@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "drivers/v4l2/capture_capability.h"
+
 namespace waymark {
 namespace {
 
@@ -29,6 +31,15 @@ std::string names_of(const std::vector<VideoDevice>& devices) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+/// Adds what only the opened device tells; false for what is no camera, such as a node of metadata.
+bool describe_camera(VideoNode& node, VideoDevice& device) {
+  const auto can = capture_capability(node);
+  if (!can || !can->streams()) return false;
+  device.bus = can->bus;
+  device.card = can->card;
+  return true;
+}
+
 }  // namespace
 
 std::string not_permitted(const std::string& node) {
@@ -39,6 +50,18 @@ std::string name_of(const VideoDevice& device) {
   if (!device.permitted) return device.node;
   return fmt::format("{} ({}, {}{}{})", device.node, device.card, device.bus,
                      device.serial.empty() ? "" : ", serial ", device.serial);
+}
+
+std::vector<VideoDevice> find_cameras(VideoSystem& system, const DeviceIdentity& wanted) {
+  std::vector<VideoDevice> cameras;
+  for (VideoDevice& device : system.nodes()) {
+    if (!may_be(wanted, device)) continue;
+    const auto node = system.open(device.node);
+    device.permitted = node || node.error().kind != ErrorKind::permission;
+    if (device.permitted && (!node || !describe_camera(**node, device))) continue;
+    cameras.push_back(std::move(device));
+  }
+  return cameras;
 }
 
 bool may_be(const DeviceIdentity& wanted, const VideoDevice& device) {

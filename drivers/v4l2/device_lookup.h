@@ -19,12 +19,17 @@ namespace waymark {
 /// for /dev/videoN.
 [[nodiscard]] Expected<DeviceIdentity> parse_device_identity(std::string_view text);
 
+/// Every camera that captures video by streaming and may be `wanted`, and what may not be opened to
+/// find that out. What can't be `wanted` is not opened.
+[[nodiscard]] std::vector<VideoDevice> find_cameras(VideoSystem& system,
+                                                    const DeviceIdentity& wanted = {});
+
 /// Whether a device may be the wanted one, by all that is known without opening it: not its bus.
 [[nodiscard]] bool may_be(const DeviceIdentity& wanted, const VideoDevice& device);
 
-/// The one device that fits, among those that may be opened. Errors: permission when none does and
-/// one that may not be opened could; unavailable when there is none; config when several can't be
-/// told apart by it.
+/// The one device of find_cameras' that fits, among those that may be opened. Errors: permission
+/// when none does and one that may not be opened could; unavailable when there is none; config when
+/// several can't be told apart by it.
 [[nodiscard]] Expected<VideoDevice> find_device(const DeviceIdentity& identity,
                                                 const std::vector<VideoDevice>& devices);
 

@@ -73,19 +73,20 @@ class KernelVideoNode final : public VideoNode {
     return watched[0].revents != 0;
   }
 
-  [[nodiscard]] std::optional<DeviceHolder> holder() const override {
+  [[nodiscard]] std::vector<DeviceHolder> holders() const override {
+    std::vector<DeviceHolder> found;
     struct stat own {};
-    if (::fstat(file_.get(), &own) != 0) return std::nullopt;
-    std::optional<DeviceHolder> found;
+    if (::fstat(file_.get(), &own) != 0) return found;
     std::error_code ignored;
     for (fs::directory_iterator process("/proc", ignored), end; !ignored && process != end;
          process.increment(ignored)) {
       const auto pid = parse_whole<int>(process->path().filename().string());
-      if (!pid || found) continue;
+      if (!pid) continue;
+      bool holds = false;
       for_each_descriptor_of(process->path(), own.st_rdev, [&](std::optional<int> descriptor) {
-        if (*pid == ::getpid() && descriptor == file_.get()) return;
-        found = DeviceHolder{*pid, first_line(process->path() / "comm")};
+        holds = holds || *pid != ::getpid() || descriptor != file_.get();
       });
+      if (holds) found.push_back({*pid, first_line(process->path() / "comm")});
     }
     return found;
   }
@@ -116,15 +117,9 @@ std::vector<std::string> links_of(sd_device* device) {
   return links;
 }
 
-/// Text of a fixed-size field, which need not end with a zero.
-template <std::size_t size>
-std::string text_of(const __u8 (&field)[size]) {
-  return {std::begin(field), std::find(std::begin(field), std::end(field), 0)};
-}
-
 class KernelVideoSystem final : public VideoSystem {
  public:
-  [[nodiscard]] std::vector<VideoDevice> devices(const DeviceIdentity& wanted) override {
+  [[nodiscard]] std::vector<VideoDevice> nodes() override {
     std::vector<VideoDevice> devices;
     sd_device_enumerator* all = nullptr;
     if (::sd_device_enumerator_new(&all) < 0) return devices;
@@ -132,7 +127,9 @@ class KernelVideoSystem final : public VideoSystem {
     ::sd_device_enumerator_add_match_subsystem(all, "video4linux", 1);
     for (sd_device* device = ::sd_device_enumerator_get_device_first(all); device != nullptr;
          device = ::sd_device_enumerator_get_device_next(all)) {
-      if (auto camera = camera_of(device, wanted)) devices.push_back(std::move(*camera));
+      const char* name = nullptr;
+      if (::sd_device_get_devname(device, &name) < 0) continue;
+      devices.push_back({name, links_of(device), "", serial_of(device), ""});
     }
     ::sd_device_enumerator_unref(all);
     std::sort(devices.begin(), devices.end(), [](const VideoDevice& a, const VideoDevice& b) {
@@ -152,33 +149,6 @@ class KernelVideoSystem final : public VideoSystem {
   }
 
   [[nodiscard]] Stamp now() const override { return monotonic_now(); }
-
- private:
-  /// nullopt for nodes that are not wanted or no cameras, such as those of metadata.
-  std::optional<VideoDevice> camera_of(sd_device* device, const DeviceIdentity& wanted) {
-    VideoDevice camera;
-    const char* name = nullptr;
-    if (::sd_device_get_devname(device, &name) < 0) return std::nullopt;
-    camera.node = name;
-    camera.links = links_of(device);
-    camera.serial = serial_of(device);
-    if (!may_be(wanted, camera)) return std::nullopt;
-    const auto opened = open(camera.node);
-    v4l2_capability about{};
-    if (!opened) {
-      if (opened.error().kind != ErrorKind::permission) return std::nullopt;
-      camera.permitted = false;
-      return camera;
-    }
-    if ((*opened)->request(VIDIOC_QUERYCAP, &about) != 0) return std::nullopt;
-    constexpr __u32 kCaptures = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_VIDEO_CAPTURE_MPLANE;
-    const __u32 can =
-        (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
-    if ((can & kCaptures) == 0 || (can & V4L2_CAP_STREAMING) == 0) return std::nullopt;
-    camera.bus = text_of(about.bus_info);
-    camera.card = text_of(about.card);
-    return camera;
-  }
 };
 
 }  // namespace

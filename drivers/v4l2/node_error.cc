@@ -1,5 +1,6 @@
 #include "drivers/v4l2/node_error.h"
 
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -9,14 +10,19 @@ namespace waymark {
 namespace {
 
 std::string busy(const VideoNode& node) {
-  const auto holder = node.holder();
-  if (!holder) {
+  const std::vector<DeviceHolder> holders = node.holders();
+  if (holders.empty()) {
     return fmt::format("another program uses it; `sudo fuser -v {}` names it", node.path());
   }
-  if (holder->pid == ::getpid()) {
+  std::vector<std::string> others;
+  for (const DeviceHolder& holder : holders) {
+    if (holder.pid == ::getpid()) continue;
+    others.push_back(fmt::format("{} (pid {})", holder.program, holder.pid));
+  }
+  if (others.empty()) {
     return "this program uses it already; do two [[camera]] blocks name one device?";
   }
-  return fmt::format("{} (pid {}) uses it; end that first", holder->program, holder->pid);
+  return fmt::format("{} uses it; end that first", fmt::join(others, ", "));
 }
 
 }  // namespace

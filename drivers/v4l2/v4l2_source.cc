@@ -8,6 +8,7 @@
 #include "drivers/v4l2/buffer_stream.h"
 #include "drivers/v4l2/camera_controls.h"
 #include "drivers/v4l2/device_lookup.h"
+#include "drivers/v4l2/turning_video_system.h"
 
 namespace waymark {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 class V4l2Source final : public FrameSource {
  public:
   V4l2Source(std::shared_ptr<VideoSystem> system, const CameraOptions& options)
-      : system_(std::move(system)), options_(options) {}
+      : system_(turning(std::move(system), turns_)), options_(options) {}
   ~V4l2Source() override { V4l2Source::close(); }
   V4l2Source(const V4l2Source&) = delete;
   V4l2Source& operator=(const V4l2Source&) = delete;
@@ -47,17 +48,18 @@ class V4l2Source final : public FrameSource {
     node_.reset();
   }
 
+  [[nodiscard]] Stamp last_turn() const override { return turns_.last(); }
   [[nodiscard]] std::uint64_t damaged() const override { return frames_.damaged(); }
   [[nodiscard]] std::uint64_t lost() const override { return frames_.lost(); }
 
   [[nodiscard]] Expected<DeviceReport> inspect() override {
-    const auto device = find_device(options_.device, system_->devices(options_.device));
+    const auto device = find_device(options_.device, find_cameras(*system_, options_.device));
     if (!device) return tl::make_unexpected(device.error());
     auto node = system_->open(device->node);
     if (!node) return tl::make_unexpected(node.error());
     DeviceReport report;
     report.text = fmt::format("{}, offers {}", name_of(*device), offered_formats(**node));
-    if (const auto holder = (*node)->holder()) report.holder_pid = holder->pid;
+    for (const DeviceHolder& holder : (*node)->holders()) report.holders.push_back(holder.pid);
     return report;
   }
 
@@ -76,7 +78,7 @@ class V4l2Source final : public FrameSource {
 
  private:
   [[nodiscard]] Status open_device() {
-    const auto device = find_device(options_.device, system_->devices(options_.device));
+    const auto device = find_device(options_.device, find_cameras(*system_, options_.device));
     if (!device) return tl::make_unexpected(device.error());
     if (auto same = check_serial(*device, options_); !same) return same;
     auto opened = system_->open(device->node);
@@ -170,6 +172,7 @@ class V4l2Source final : public FrameSource {
     return controls_.notes.empty() ? "" : fmt::format("; {}", fmt::join(controls_.notes, "; "));
   }
 
+  TurnStamp turns_;
   std::shared_ptr<VideoSystem> system_;
   CameraOptions options_;
   Interrupt interrupt_;

@@ -4,13 +4,11 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/geometry/stamp.h"
-#include "drivers/camera_options.h"
 
 namespace waymark {
 
@@ -41,17 +39,18 @@ class VideoNode {
   /// `interrupt` is readable; true: there is a buffer or an error to take.
   [[nodiscard]] virtual bool wait(Stamp deadline, int interrupt) = 0;
 
-  /// Who else has the device open; nullopt when nobody, or nobody whom we may see.
-  [[nodiscard]] virtual std::optional<DeviceHolder> holder() const = 0;
+  /// Who has the device open, this process otherwise than by this node included; as far as we may
+  /// see.
+  [[nodiscard]] virtual std::vector<DeviceHolder> holders() const = 0;
 };
 
-/// A camera that the system has, and by what it can be told from others.
+/// A video node that the system has, and by what its camera can be told from others.
 struct VideoDevice {
   std::string node;                ///< /dev/video2: a number, which changes
   std::vector<std::string> links;  ///< stable names: /dev/v4l/by-id/…, by-path, /dev/waymark/…
-  std::string bus;                 ///< as the driver says: usb-0000:00:14.0-2, platform:vivid-000
-  std::string serial;              ///< of its USB device; empty where it states none
-  std::string card;                ///< what the maker calls it
+  std::string bus;     ///< as the driver says, once opened: usb-0000:00:14.0-2, platform:vivid-000
+  std::string serial;  ///< of its USB device; empty where it states none
+  std::string card;    ///< what the maker calls it; once opened
   /// False: we may not open it, so its bus, and whether it is a camera at all, is not known.
   bool permitted = true;
 };
@@ -61,10 +60,9 @@ class VideoSystem {
  public:
   virtual ~VideoSystem() = default;
 
-  /// Everything that captures video by streaming and may be `wanted`, and what may not be opened to
-  /// find that out, sorted by node. What can't be `wanted` is not opened: a device that hangs must
-  /// not hold up another's camera.
-  [[nodiscard]] virtual std::vector<VideoDevice> devices(const DeviceIdentity& wanted = {}) = 0;
+  /// All video nodes, sorted by number, with what is known of them without opening any: a device
+  /// that hangs must not hold up another's camera.
+  [[nodiscard]] virtual std::vector<VideoDevice> nodes() = 0;
   /// Errors: unavailable when it has gone, permission naming the group.
   [[nodiscard]] virtual Expected<std::unique_ptr<VideoNode>> open(const std::string& node) = 0;
   /// CLOCK_MONOTONIC.

@@ -47,14 +47,14 @@ TEST_F(CheckCameras, SayWhatTheDeviceIsAndDoesAndGiveItBack) {
 }
 
 TEST_F(CheckCameras, LeaveWhatARunningLocdHasAlone) {
-  camera().holder = DeviceHolder{1234, "locd"};
+  camera().holders = {{99, "cheese"}, {1234, "locd"}};
   EXPECT_TRUE(check(1234));
   EXPECT_THAT(printed_, HasSubstr("in use by the running locd (pid 1234)"));
   EXPECT_EQ(camera().starts, 0);
   const Status of_another = check(4321);
   ASSERT_FALSE(of_another);
   EXPECT_THAT(of_another.error().message, HasSubstr("cam0: /dev/video0"));
-  EXPECT_THAT(of_another.error().message, HasSubstr("locd (pid 1234) uses it"));
+  EXPECT_THAT(of_another.error().message, HasSubstr("cheese (pid 99), locd (pid 1234) uses it"));
 }
 
 TEST_F(CheckCameras, FailWithoutTheCameraAndWithoutFrames) {

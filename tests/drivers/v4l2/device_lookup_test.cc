@@ -5,6 +5,7 @@
 
 #include <filesystem>
 
+#include "tests/drivers/v4l2/fake_video_system.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -113,6 +114,24 @@ TEST(FindDevice, ANodeThatMayNotBeOpenedIsNeitherASecondCameraNorAnAbsentOne) {
   const auto another = find_device({"", "right", ""}, nodes_of_one_camera(false, false));
   ASSERT_FALSE(another);
   EXPECT_EQ(another.error().kind, ErrorKind::unavailable);
+}
+
+TEST(FindCameras, AreNodesThatCaptureAndThoseThatMayNotBeOpened) {
+  test::FakeVideoSystem system;
+  system.cameras.push_back({});
+  system.cameras[1].identity.node = "/dev/video1";  // the same USB device's metadata
+  system.cameras[1].captures = false;
+  auto found = find_cameras(system, {"", "4711", ""});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(name_of(found[0]), "/dev/video0 (Fake, usb-1, serial 4711)");
+  EXPECT_TRUE(find_cameras(system, {"", "0815", ""}).empty());
+  system.cannot_open = Error{ErrorKind::permission, "group video"};
+  found = find_cameras(system, {"", "4711", ""});
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_FALSE(found[0].permitted || found[1].permitted);
+  EXPECT_EQ(name_of(found[1]), "/dev/video1");
+  system.cannot_open = Error{ErrorKind::unavailable, "gone meanwhile"};
+  EXPECT_TRUE(find_cameras(system).empty());
 }
 
 TEST(FindDevice, LinksThatOthersMadeLeadThereToo) {

@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <cstring>
 #include <deque>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -49,11 +50,13 @@ struct FakeDevice {
   v4l2_rect whole{0, 0, 64, 48};
   std::map<std::uint32_t, FakeControl> controls;
   std::size_t most_buffers = 32;
-  std::optional<DeviceHolder> holder;     ///< has it open, and streams
+  bool captures = true;                   ///< false: a node of metadata
+  std::vector<DeviceHolder> holders;      ///< have it open; it is busy
   std::map<unsigned long, int> failures;  ///< requests that fail, with what
   std::deque<FakeFrame> frames;           ///< to be delivered
   bool gone = false;                      ///< unplugged
   bool error_in_poll = false;
+  std::function<void()> during_request;
 
   // What came of it.
   std::set<std::uint32_t> queued;  ///< buffers that the driver has
@@ -72,7 +75,7 @@ class FakeVideoNode final : public VideoNode {
   ~FakeVideoNode() override { --device_.opened; }
 
   [[nodiscard]] const std::string& path() const override { return device_.identity.node; }
-  [[nodiscard]] std::optional<DeviceHolder> holder() const override { return device_.holder; }
+  [[nodiscard]] std::vector<DeviceHolder> holders() const override { return device_.holders; }
 
   [[nodiscard]] bool wait(Stamp /*deadline*/, int interrupt) override {
     pollfd raised{interrupt, POLLIN, 0};
@@ -89,6 +92,7 @@ class FakeVideoNode final : public VideoNode {
   }
 
   [[nodiscard]] int request(unsigned long code, void* argument) override {
+    if (device_.during_request) device_.during_request();
     if (device_.gone) return ENODEV;
     if (const auto failure = device_.failures.find(code); failure != device_.failures.end()) {
       return failure->second;
@@ -121,9 +125,16 @@ class FakeVideoNode final : public VideoNode {
 
  private:
   int capabilities(v4l2_capability& about) const {
-    about.device_caps = V4L2_CAP_STREAMING | (device_.multiplanar ? V4L2_CAP_VIDEO_CAPTURE_MPLANE
-                                                                  : V4L2_CAP_VIDEO_CAPTURE);
-    about.capabilities = about.device_caps | V4L2_CAP_DEVICE_CAPS;
+    const __u32 capture =
+        device_.multiplanar ? V4L2_CAP_VIDEO_CAPTURE_MPLANE : V4L2_CAP_VIDEO_CAPTURE;
+    about.device_caps = V4L2_CAP_STREAMING | (device_.captures ? capture : V4L2_CAP_META_CAPTURE);
+    about.capabilities = about.device_caps | capture | V4L2_CAP_DEVICE_CAPS;
+    // Bounded fields, not necessarily ended by a zero.
+    std::copy_n(device_.identity.bus.begin(),
+                std::min(device_.identity.bus.size(), sizeof about.bus_info),
+                std::begin(about.bus_info));
+    std::copy_n(device_.identity.card.begin(),
+                std::min(device_.identity.card.size(), sizeof about.card), std::begin(about.card));
     return 0;
   }
   int list_format(v4l2_fmtdesc& format) const {
@@ -209,7 +220,7 @@ class FakeVideoNode final : public VideoNode {
     switch (code) {
       case VIDIOC_REQBUFS: {
         auto& request = *static_cast<v4l2_requestbuffers*>(argument);
-        if (device_.holder) return EBUSY;
+        if (!device_.holders.empty()) return EBUSY;
         request.count = std::min(request.count, static_cast<__u32>(device_.most_buffers));
         device_.queued.clear();
         device_.memory.clear();
@@ -273,10 +284,11 @@ class FakeVideoSystem final : public VideoSystem {
   Stamp time{std::chrono::seconds(1000)};
   std::optional<Error> cannot_open;
 
-  [[nodiscard]] std::vector<VideoDevice> devices(const DeviceIdentity& /*wanted*/) override {
+  [[nodiscard]] std::vector<VideoDevice> nodes() override {
     std::vector<VideoDevice> all;
     for (const FakeDevice& camera : cameras) {
-      if (!camera.gone) all.push_back(camera.identity);
+      const VideoDevice& known = camera.identity;
+      if (!camera.gone) all.push_back({known.node, known.links, "", known.serial, ""});
     }
     return all;
   }

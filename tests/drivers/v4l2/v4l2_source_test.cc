@@ -299,14 +299,14 @@ TEST_F(V4l2SourceTest, AnotherSerialNumberThanTheRigsIsRefused) {
 }
 
 TEST_F(V4l2SourceTest, ABusyDeviceNamesItsHolder) {
-  camera().holder = DeviceHolder{1234, "cheese"};
+  camera().holders = {{1234, "cheese"}, {::getpid(), "locd"}, {1235, "guvcview"}};
   Error error = start_error();
   EXPECT_EQ(error.kind, ErrorKind::unavailable);
-  EXPECT_THAT(error.message, HasSubstr("cheese (pid 1234) uses it"));
-  EXPECT_EQ(source().inspect()->holder_pid, 1234);
-  camera().holder->pid = ::getpid();
+  EXPECT_THAT(error.message, HasSubstr("cheese (pid 1234), guvcview (pid 1235) uses it"));
+  EXPECT_THAT(source().inspect()->holders, testing::ElementsAre(1234, ::getpid(), 1235));
+  camera().holders = {{::getpid(), "locd"}};
   EXPECT_THAT(start_error().message, HasSubstr("two [[camera]] blocks"));
-  camera().holder.reset();
+  camera().holders.clear();
   camera().failures[VIDIOC_REQBUFS] = EBUSY;
   EXPECT_THAT(start_error().message, HasSubstr("fuser -v /dev/video0"));
 }
@@ -322,6 +322,25 @@ TEST_F(V4l2SourceTest, ErrorsNameWhatHelps) {
   EXPECT_EQ(camera().opened, 0);
   system_->cannot_open = Error{ErrorKind::permission, "/dev/video0: group video"};
   EXPECT_EQ(start_error().kind, ErrorKind::permission);
+}
+
+TEST_F(V4l2SourceTest, AStartOfManySlowCallsTurnsOneThatIsStuckDoesNot) {
+  camera().during_request = [&, calls = 0]() mutable {
+    system_->time += milliseconds(500);
+    if (++calls > 1) {
+      EXPECT_EQ(system_->time - source().last_turn(), milliseconds(500));
+    }
+  };
+  const Stamp before = system_->time;
+  ASSERT_TRUE(source().start());
+  EXPECT_GT(system_->time - before, seconds(5));
+  camera().during_request = [&] {
+    const Stamp turned = source().last_turn();
+    system_->time += seconds(3600);
+    EXPECT_EQ(source().last_turn(), turned) << "stuck in a call";
+    camera().during_request = nullptr;
+  };
+  EXPECT_TRUE(source().start());
 }
 
 TEST_F(V4l2SourceTest, WithoutStartThereAreNoFrames) {
