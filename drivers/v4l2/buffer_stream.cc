@@ -71,14 +71,15 @@ Expected<std::unique_ptr<BufferStream>> BufferStream::start(VideoNode& node,
 }
 
 BufferStream::~BufferStream() {
+  // A device that is gone refuses both; there is nothing more to be done about it.
   int type = type_;
-  if (streams_) node_.request(VIDIOC_STREAMOFF, &type);
+  if (streams_) (void)node_.request(VIDIOC_STREAMOFF, &type);
   // Frames that are still lent keep the memory mapped and, with it, the device taken, unless the
   // buffers are handed back (since Linux 4.20 before they are unmapped).
   v4l2_requestbuffers none{};
   none.type = type_;
   none.memory = V4L2_MEMORY_MMAP;
-  node_.request(VIDIOC_REQBUFS, &none);
+  (void)node_.request(VIDIOC_REQBUFS, &none);
 }
 
 Status BufferStream::map_buffers(std::size_t count) {
