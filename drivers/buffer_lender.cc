@@ -1,17 +1,19 @@
 #include "drivers/buffer_lender.h"
 
 #include <algorithm>
+#include <mutex>
 
 #include "core/base/check.h"
 
 namespace waymark {
 
-void BufferLender::begin(std::shared_ptr<const void> memory, std::size_t limit) {
+void BufferLender::begin(std::shared_ptr<const void> memory, std::size_t limit, bool copies) {
   end();
   const std::lock_guard lock(mutex_);
   streams_.push_back({next_number_++, std::move(memory), 0});
   running_ = true;
   limit_ = limit;
+  copies_ = copies;
   returned_.reserve(kMaxBuffers);
 }
 
@@ -42,13 +44,17 @@ std::optional<std::uint32_t> BufferLender::take_returned() {
 
 void BufferLender::take_back(std::uint32_t slot) noexcept {
   std::shared_ptr<const void> memory;  // let go of outside the lock
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   const auto stream = std::find_if(streams_.begin(), streams_.end(),
                                    [&](const Stream& s) { return s.number == slot / kMaxBuffers; });
   WAYMARK_CHECK(stream != streams_.end() && stream->lent > 0);
   --stream->lent;
   if (running_ && &*stream == &streams_.back()) {
+    // Of what may be lent, the driver had nothing.
+    const bool short_of_buffers = !copies_ && stream->lent + 1 + returned_.size() >= limit_;
     returned_.push_back(slot % kMaxBuffers);
+    lock.unlock();
+    if (short_of_buffers && wake_) wake_();
   } else if (stream->lent == 0) {
     memory = std::move(stream->memory);
     streams_.erase(stream);

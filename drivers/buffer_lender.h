@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <vector>
 
+#include "core/base/priority_mutex.h"
 #include "drivers/frame.h"
 
 namespace waymark {
@@ -15,8 +16,13 @@ namespace waymark {
 /// stream that ends while some are lent leaves its memory here until the last one is back.
 class BufferLender final : public FrameLender {
  public:
-  /// A stream begins whose buffers lie in `memory`; at most `limit` of them are lent at a time.
-  void begin(std::shared_ptr<const void> memory, std::size_t limit);
+  /// `wake` is called, from any thread, when a frame ends whose buffer the driver waits for. It
+  /// must not wait.
+  explicit BufferLender(std::function<void()> wake = {}) : wake_(std::move(wake)) {}
+
+  /// A stream begins whose buffers lie in `memory`; at most `limit` of them are lent at a time. The
+  /// driver waits for none of them when they are `copies`.
+  void begin(std::shared_ptr<const void> memory, std::size_t limit, bool copies = false);
   /// It ends: what comes back from now on is of no more use.
   void end();
 
@@ -38,9 +44,11 @@ class BufferLender final : public FrameLender {
     std::size_t lent = 0;
   };
 
-  std::mutex mutex_;
+  std::function<void()> wake_;
+  PriorityMutex mutex_;
   std::vector<Stream> streams_;  ///< the last one runs, unless ended; the others await frames
   bool running_ = false;
+  bool copies_ = false;
   std::size_t limit_ = 0;
   std::uint32_t next_number_ = 0;
   std::vector<std::uint32_t> returned_;

@@ -33,7 +33,7 @@ void FrameMaker::begin(const FrameLayout& layout, std::shared_ptr<const void> me
                                                      GrayImage(layout.width_px, layout.height_px));
   free_images_.resize(lendable);
   for (std::uint32_t i = 0; i < lendable; ++i) free_images_[i] = i;
-  lender_.begin(images_, lendable);
+  lender_.begin(images_, lendable, true);
 }
 
 void FrameMaker::end() {

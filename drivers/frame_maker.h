@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -33,6 +34,10 @@ class FrameMaker {
   static constexpr std::size_t kBuffers = 6;
   /// One that is lent, and two for the driver to fill in turn.
   static constexpr std::size_t kFewestBuffers = 3;
+
+  /// `wake` is called, from any thread, when take_returned has something for which the driver
+  /// waits. It must not wait.
+  explicit FrameMaker(std::function<void()> wake = {}) : lender_(std::move(wake)) {}
 
   /// A stream begins, of `buffers` buffers that lie in `memory`.
   void begin(const FrameLayout& layout, std::shared_ptr<const void> memory, std::size_t buffers);

@@ -20,9 +20,10 @@ class Interrupt {
     // Can only fail when it stands at its maximum, which is raised.
     [[maybe_unused]] const ssize_t written = ::write(event_.get(), &one, sizeof one);
   }
-  void clear() {
+  /// Whether it was raised.
+  bool clear() {
     std::uint64_t count = 0;
-    [[maybe_unused]] const ssize_t got = ::read(event_.get(), &count, sizeof count);
+    return ::read(event_.get(), &count, sizeof count) == sizeof count;
   }
   [[nodiscard]] int descriptor() const { return event_.get(); }
 

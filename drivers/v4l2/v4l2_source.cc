@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <atomic>
+
 #include "drivers/interrupt.h"
 #include "drivers/stall_watch.h"
 #include "drivers/v4l2/buffer_stamp.h"
@@ -25,7 +27,8 @@ class V4l2Source final : public FrameSource {
 
   [[nodiscard]] Status start() override {
     close();
-    interrupt_.clear();
+    stopped_ = false;
+    wake_.clear();
     Status started = open_device();
     if (started) started = set_up();
     if (started) started = stream();
@@ -40,7 +43,10 @@ class V4l2Source final : public FrameSource {
     return frame;
   }
 
-  void stop() override { interrupt_.raise(); }
+  void stop() override {
+    stopped_ = true;
+    wake_.raise();
+  }
 
   void close() override {
     frames_.end();
@@ -121,8 +127,12 @@ class V4l2Source final : public FrameSource {
         return fail(ErrorKind::io, "{}: no whole frame for {:.1f} s; starting it again",
                     node_->path(), std::chrono::duration<double>(stall_.patience()).count());
       }
-      promised = !*filled && node_->wait(deadline, interrupt_.descriptor());
-      if (!*filled && !promised) return std::nullopt;
+      promised = false;
+      if (*filled) continue;
+      if (stopped_) return std::nullopt;
+      promised = node_->wait(deadline, wake_.descriptor());
+      // Woken, a buffer can be given back; else the time is over.
+      if (!promised && !wake_.clear()) return std::nullopt;
     }
   }
 
@@ -175,8 +185,9 @@ class V4l2Source final : public FrameSource {
   TurnStamp turns_;
   std::shared_ptr<VideoSystem> system_;
   CameraOptions options_;
-  Interrupt interrupt_;
-  FrameMaker frames_;
+  std::atomic<bool> stopped_{false};
+  Interrupt wake_;  ///< raised by stop, and when a buffer is back for which the driver waits
+  FrameMaker frames_{[this] { wake_.raise(); }};
   std::unique_ptr<VideoNode> node_;
   CaptureFormat format_;
   AppliedControls controls_;

@@ -18,6 +18,28 @@ TEST(BufferLender, LendsUpToItsLimitAndLeavesWhatComesBack) {
   EXPECT_EQ(lender.take_returned(), std::nullopt);
 }
 
+TEST(BufferLender, WakesOnlyForWhatTheDriverWaitsFor) {
+  int woken = 0;
+  BufferLender lender([&] { ++woken; });
+  lender.begin(std::make_shared<int>(), 3);
+  const auto a = lender.lend(0);
+  const auto b = lender.lend(1);
+  lender.take_back(*a);  // the driver has one more than it must
+  EXPECT_EQ(woken, 0);
+  const auto c = lender.lend(2);
+  lender.take_back(*b);  // the first has not been given to it yet
+  EXPECT_EQ(woken, 1);
+  EXPECT_TRUE(lender.take_returned() && lender.take_returned());
+  lender.take_back(*c);
+  EXPECT_EQ(woken, 1);
+  const auto d = lender.lend(0);
+  lender.end();
+  lender.take_back(*d);
+  lender.begin(std::make_shared<int>(), 1, true);
+  lender.take_back(*lender.lend(0));
+  EXPECT_EQ(woken, 1);
+}
+
 TEST(BufferLender, KeepsTheMemoryOfAnEndedStreamUntilItsLastFrameIsBack) {
   BufferLender lender;
   auto memory = std::make_shared<int>();

@@ -57,6 +57,7 @@ struct FakeDevice {
   bool gone = false;                      ///< unplugged
   bool error_in_poll = false;
   std::function<void()> during_request;
+  std::function<void()> during_wait;
 
   // What came of it.
   std::set<std::uint32_t> queued;  ///< buffers that the driver has
@@ -78,6 +79,7 @@ class FakeVideoNode final : public VideoNode {
   [[nodiscard]] std::vector<DeviceHolder> holders() const override { return device_.holders; }
 
   [[nodiscard]] bool wait(Stamp /*deadline*/, int interrupt) override {
+    if (device_.during_wait) device_.during_wait();
     pollfd raised{interrupt, POLLIN, 0};
     if (::poll(&raised, 1, 0) > 0) return false;
     return !device_.frames.empty() || device_.gone || device_.error_in_poll;

@@ -96,6 +96,21 @@ TEST_F(V4l2SourceTest, TwoBuffersAlwaysStayWithTheDriver) {
   }
 }
 
+TEST_F(V4l2SourceTest, ABufferForWhichTheDriverWaitsGoesBackWhileNextWaits) {
+  camera().most_buffers = 3;
+  ASSERT_TRUE(source().start());
+  std::optional<Frame> held = taken(grey(0));
+  std::vector<std::size_t> queued;
+  camera().during_wait = [&] {
+    queued.push_back(camera().queued.size());
+    held.reset();  // in truth from another thread
+  };
+  const auto none = next();
+  ASSERT_TRUE(none);
+  EXPECT_FALSE(none->has_value());
+  EXPECT_THAT(queued, testing::ElementsAre(2, 3));
+}
+
 TEST_F(V4l2SourceTest, FramesOutliveTheDevice) {
   ASSERT_TRUE(source().start());
   const Frame before = taken(grey(0, 11));
