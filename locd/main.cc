@@ -63,7 +63,10 @@ int run(int argc, char** argv) {
     app.exit(error, std::cerr, std::cerr);
     return static_cast<int>(ErrorKind::usage);
   }
-  if (list) return report(list_cameras(*kernel_video_system(), std::cout));
+  if (list) {
+    const auto system = kernel_video_system();
+    return report(list_cameras(*system, libcamera_cameras(*system), std::cout));
+  }
   const bool replays = app.count("--replay") > 0;
   if (replays == (app.count("--config") > 0)) {
     fmt::print(stderr,

@@ -33,14 +33,20 @@ const libcamera::PixelFormat* of_libcamera(const PixelFormat& format) {
 
 const PixelFormat* choose_pixels(const libcamera::StreamConfiguration& stream,
                                  const CaptureRequest& request) {
+  const libcamera::Size wanted(static_cast<unsigned>(request.width_px),
+                               static_cast<unsigned>(request.height_px));
   const auto offered = stream.formats().pixelformats();
+  const PixelFormat* of_another_size = nullptr;
   for (const PixelFormat& format : pixel_formats()) {
     if (request.pixels != nullptr && request.pixels != &format) continue;
     const libcamera::PixelFormat* const theirs = of_libcamera(format);
     if (theirs == nullptr) continue;
-    if (std::find(offered.begin(), offered.end(), *theirs) != offered.end()) return &format;
+    if (std::find(offered.begin(), offered.end(), *theirs) == offered.end()) continue;
+    const auto sizes = stream.formats().sizes(*theirs);
+    if (std::find(sizes.begin(), sizes.end(), wanted) != sizes.end()) return &format;
+    if (of_another_size == nullptr) of_another_size = &format;
   }
-  return nullptr;
+  return of_another_size;
 }
 
 /// Sets controls of one camera, as far as it has them.
@@ -145,6 +151,21 @@ std::string offered_formats(libcamera::Camera& camera) {
                               fmt::join(sizes, ", ")));
   }
   return fmt::format("{}", fmt::join(all, "; "));
+}
+
+std::vector<OfferedFormat> understood_formats(libcamera::Camera& camera) {
+  std::vector<OfferedFormat> understood;
+  const auto configuration = camera.generateConfiguration({libcamera::StreamRole::Viewfinder});
+  if (configuration == nullptr || configuration->empty()) return understood;
+  const libcamera::StreamFormats& formats = configuration->at(0).formats();
+  for (const PixelFormat& format : pixel_formats()) {
+    const libcamera::PixelFormat* const theirs = of_libcamera(format);
+    if (theirs == nullptr) continue;
+    for (const libcamera::Size& size : formats.sizes(*theirs)) {
+      understood.push_back({&format, static_cast<int>(size.width), static_cast<int>(size.height)});
+    }
+  }
+  return understood;
 }
 
 Expected<libcamera::ControlList> start_controls(const libcamera::ControlInfoMap& offered,

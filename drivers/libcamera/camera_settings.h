@@ -7,6 +7,7 @@
 #include "drivers/camera_options.h"
 #include "drivers/frame_maker.h"
 #include "drivers/mid_exposure.h"
+#include "drivers/v4l2/capture_format.h"
 
 namespace waymark {
 
@@ -21,6 +22,9 @@ struct StreamSettings {
 
 /// "GREY 1224×1024; YUYV …": what the camera offers.
 [[nodiscard]] std::string offered_formats(libcamera::Camera& camera);
+
+/// What grey images can be made of, the best format first.
+[[nodiscard]] std::vector<OfferedFormat> understood_formats(libcamera::Camera& camera);
 
 /// Controls to start a camera with, of those `offered`. Automatic focus is always off. Errors:
 /// config for a value that the camera has no control for, or outside its range.

@@ -4,6 +4,20 @@
 
 namespace waymark {
 
+namespace {
+
+/// What the module calls `name`; null, with dlerror(), where it is not installed. Found beside the
+/// program by its run path. It stays loaded: frames come from its code.
+template <typename Function>
+Function* of_module(const char* name) {
+  void* const module = ::dlopen(kLibcameraModule, RTLD_NOW | RTLD_LOCAL);
+  void* const symbol = module != nullptr ? ::dlsym(module, name) : nullptr;
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): dlsym knows no types
+  return reinterpret_cast<Function*>(symbol);
+}
+
+}  // namespace
+
 bool is_libcamera_id(std::string_view device) {
   return !device.starts_with("/dev/") && !device.starts_with("serial=") &&
          !device.starts_with("bus=");
@@ -11,19 +25,23 @@ bool is_libcamera_id(std::string_view device) {
 
 Expected<std::unique_ptr<FrameSource>> libcamera_source(std::shared_ptr<VideoSystem> system,
                                                         const LibcameraOptions& options) {
-  // Found beside the program by its run path. It stays loaded: frames come from its code.
-  void* const module = ::dlopen(kLibcameraModule, RTLD_NOW | RTLD_LOCAL);
-  void* const symbol = module != nullptr ? ::dlsym(module, kMakeLibcameraSourceSymbol) : nullptr;
-  if (symbol == nullptr) {
+  auto* const make = of_module<MakeLibcameraSource>(kMakeLibcameraSourceSymbol);
+  if (make == nullptr) {
     return fail(ErrorKind::unavailable,
                 "{}: driver \"libcamera\" can't be loaded: {}; install waymark-libcamera, or use "
                 "\"v4l2\"",
                 options.camera.name, ::dlerror());  // NOLINT(concurrency-mt-unsafe)
   }
   std::unique_ptr<FrameSource> source;
-  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): dlsym knows no types
-  reinterpret_cast<MakeLibcameraSource*>(symbol)(std::move(system), options, source);
+  make(std::move(system), options, source);
   return source;
+}
+
+std::vector<LibcameraCamera> libcamera_cameras(VideoSystem& system) {
+  std::vector<LibcameraCamera> cameras;
+  auto* const list = of_module<ListLibcameraCameras>(kListLibcameraCamerasSymbol);
+  if (list != nullptr) list(system, cameras);
+  return cameras;
 }
 
 }  // namespace waymark

@@ -50,6 +50,17 @@ Expected<std::shared_ptr<libcamera::CameraManager>> shared_manager() {
   return manager;
 }
 
+/// The camera to which a node of Video4Linux belongs; null: none of libcamera's.
+std::shared_ptr<libcamera::Camera> camera_of(libcamera::CameraManager& manager,
+                                             const std::string& node) {
+  struct stat info {};
+  return ::stat(node.c_str(), &info) == 0 ? manager.get(info.st_rdev) : nullptr;
+}
+
+std::string model_of(const libcamera::Camera& camera) {
+  return camera.properties().get(libcamera::properties::Model).value_or("no model");
+}
+
 class LibcameraSource final : public FrameSource {
  public:
   LibcameraSource(std::shared_ptr<VideoSystem> system, const LibcameraOptions& options)
@@ -102,9 +113,8 @@ class LibcameraSource final : public FrameSource {
   [[nodiscard]] Expected<DeviceReport> inspect() override {
     const auto camera = find_camera();
     if (!camera) return tl::make_unexpected(camera.error());
-    const auto model = (*camera)->properties().get(libcamera::properties::Model);
     DeviceReport report;
-    report.text = fmt::format("{} ({}), offers {}", (*camera)->id(), model.value_or("no model"),
+    report.text = fmt::format("{} ({}), offers {}", (*camera)->id(), model_of(**camera),
                               offered_formats(**camera));
     if (node_.empty()) return report;
     const auto node = system_->open(node_);
@@ -161,10 +171,8 @@ class LibcameraSource final : public FrameSource {
     if (auto same = check_serial(*device, options_.camera); !same) {
       return tl::make_unexpected(same.error());
     }
-    struct stat node {};
-    if (::stat(device->node.c_str(), &node) != 0) return nullptr;
     node_ = device->node;
-    return manager_->get(node.st_rdev);
+    return camera_of(*manager_, node_);
   }
 
   [[nodiscard]] Status acquire() {
@@ -255,7 +263,8 @@ class LibcameraSource final : public FrameSource {
         return fail(ErrorKind::io, "{}: no whole frame for {:.1f} s; starting it again",
                     camera_->id(), std::chrono::duration<double>(stall_.patience()).count());
       }
-      if (request == nullptr) return std::nullopt;
+      // Woken, a request can be given back; else the time is over.
+      if (request == nullptr && !queue_.was_woken()) return std::nullopt;
     }
   }
 
@@ -348,7 +357,7 @@ class LibcameraSource final : public FrameSource {
   std::shared_ptr<VideoSystem> system_;
   LibcameraOptions options_;
   RequestQueue queue_;
-  FrameMaker frames_;
+  FrameMaker frames_{[this] { queue_.wake(); }};
   StallWatch stall_;
   std::shared_ptr<libcamera::CameraManager> manager_;  ///< outlives its cameras
   std::shared_ptr<libcamera::Camera> camera_;
@@ -372,4 +381,21 @@ void waymark_make_libcamera_source(std::shared_ptr<waymark::VideoSystem> system,
                                    const waymark::LibcameraOptions& options,
                                    std::unique_ptr<waymark::FrameSource>& result) {
   result = std::make_unique<waymark::LibcameraSource>(std::move(system), options);
+}
+
+void waymark_list_libcamera_cameras(waymark::VideoSystem& system,
+                                    std::vector<waymark::LibcameraCamera>& result) {
+  const auto manager = waymark::shared_manager();
+  if (!manager) return;
+  for (const auto& camera : (*manager)->cameras()) {
+    waymark::LibcameraCamera listed;
+    listed.id = camera->id();
+    listed.model = waymark::model_of(*camera);
+    listed.offered = waymark::offered_formats(*camera);
+    listed.understood = waymark::understood_formats(*camera);
+    for (const waymark::VideoDevice& device : system.nodes()) {
+      if (waymark::camera_of(**manager, device.node) == camera) listed.nodes.push_back(device.node);
+    }
+    result.push_back(std::move(listed));
+  }
 }

@@ -66,7 +66,26 @@ std::vector<Size> offered_sizes(VideoNode& node, std::uint32_t fourcc) {
   return sizes;
 }
 
-/// The format to ask for: the requested one, else the best of those offered.
+/// Whether the device lists a format in this size; a range counts by its ends.
+bool lists_size(VideoNode& node, std::uint32_t fourcc, const CaptureRequest& request) {
+  v4l2_frmsizeenum size{};
+  size.pixel_format = fourcc;
+  const auto width = static_cast<__u32>(request.width_px);
+  const auto height = static_cast<__u32>(request.height_px);
+  for (; size.index < kMaxListed && node.request(VIDIOC_ENUM_FRAMESIZES, &size) == 0;
+       ++size.index) {
+    if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE) {
+      const v4l2_frmsize_stepwise& range = size.stepwise;
+      return width >= range.min_width && width <= range.max_width && height >= range.min_height &&
+             height <= range.max_height;
+    }
+    if (size.discrete.width == width && size.discrete.height == height) return true;
+  }
+  return false;
+}
+
+/// The format to ask for: the requested one, else the best of those offered, in the requested size
+/// if any is.
 Expected<const PixelFormat*> choose_pixels(VideoNode& node, v4l2_buf_type type,
                                            const CaptureRequest& request) {
   const auto offered = offered_fourccs(node, type);
@@ -78,6 +97,10 @@ Expected<const PixelFormat*> choose_pixels(VideoNode& node, v4l2_buf_type type,
     if (is_offered(*request.pixels) || offered->empty()) return request.pixels;
   } else {
     const auto formats = pixel_formats();
+    const auto in_size = std::find_if(formats.begin(), formats.end(), [&](const auto& format) {
+      return is_offered(format) && lists_size(node, format.fourcc, request);
+    });
+    if (in_size != formats.end()) return &*in_size;
     const auto best = std::find_if(formats.begin(), formats.end(), is_offered);
     if (best != formats.end()) return &*best;
   }
@@ -261,7 +284,9 @@ std::vector<OfferedFormat> understood_formats(VideoNode& node) {
   if (!offered) return understood;
   for (const PixelFormat& format : pixel_formats()) {
     if (std::find(offered->begin(), offered->end(), format.fourcc) == offered->end()) continue;
-    for (const Size& size : offered_sizes(node, format.fourcc)) {
+    auto sizes = offered_sizes(node, format.fourcc);
+    if (sizes.empty()) sizes.push_back({0, 0});
+    for (const Size& size : sizes) {
       understood.push_back({&format, size.width_px, size.height_px});
     }
   }

@@ -36,7 +36,7 @@ struct OfferedFormat {
   int width_px = 0;
   int height_px = 0;
 };
-/// By pixel formats, the best first, then as the device lists them. Without a list of sizes, none.
+/// By pixel formats, the best first, then as the device lists them. Without a list of sizes, 0×0.
 [[nodiscard]] std::vector<OfferedFormat> understood_formats(VideoNode& node);
 
 }  // namespace waymark

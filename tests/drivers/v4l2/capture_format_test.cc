@@ -40,6 +40,13 @@ TEST_F(CaptureFormatTest, TheBestThatIsOfferedIsTaken) {
   EXPECT_DOUBLE_EQ(format->fps, 30);
 }
 
+TEST_F(CaptureFormatTest, TheBestIsThatWhichComesInTheWantedSize) {
+  device_.formats = {{V4L2_PIX_FMT_GREY, {{32, 24}}}, {V4L2_PIX_FMT_MJPEG, {{32, 24}, {64, 48}}}};
+  const auto format = set({64, 48, nullptr, 30});
+  ASSERT_TRUE(format) << format.error().message;
+  EXPECT_EQ(format->layout.pixels->name, "MJPG");
+}
+
 TEST_F(CaptureFormatTest, TheLastRowNeedsNoPadding) {
   device_.stride_bytes = 160;
   const auto format = set({64, 48, find_pixel_format("YUYV"), 0});
