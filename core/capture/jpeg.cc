@@ -84,6 +84,8 @@ class Decoder {
   [[nodiscard]] int width_px() const { return static_cast<int>(info_.image_width); }
   [[nodiscard]] int height_px() const { return static_cast<int>(info_.image_height); }
 
+  [[nodiscard]] bool has_several_scans() { return jpeg_has_multiple_scans(&info_) != FALSE; }
+
   /// Of an opened JPEG, whose size the image has.
   Status read_into(GrayImage& image) {
     if (!read_pixels(image) || errors_.damaged) return damaged();
@@ -204,6 +206,9 @@ Status decode_jpeg_into(std::string_view bytes, GrayImage& image) {
   if (decoder->width_px() != image.width_px || decoder->height_px() != image.height_px) {
     return fail(ErrorKind::bad_data, "a JPEG of {}×{} px among {}×{}", decoder->width_px(),
                 decoder->height_px(), image.width_px, image.height_px);
+  }
+  if (decoder->has_several_scans()) {
+    return fail(ErrorKind::bad_data, "a JPEG of several scans, which may take any time");
   }
   return decoder->read_into(image);
 }

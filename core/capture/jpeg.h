@@ -15,8 +15,9 @@ namespace waymark {
 /// some cameras write, are allowed.
 [[nodiscard]] Expected<LoadedImage> decode_jpeg(std::string_view bytes);
 
-/// The same into memory that is there: bad_data also when the JPEG's size is not the image's. After
-/// an error the pixels are whatever.
+/// The same of a camera's frame, into memory that is there: bad_data also when the JPEG's size is
+/// not the image's, or when it has several scans (is progressive), which no camera's has: each
+/// takes as long as an image, however few its bytes. After an error the pixels are whatever.
 [[nodiscard]] Status decode_jpeg_into(std::string_view bytes, GrayImage& image);
 
 /// Grey JPEG; quality 1…100 (checked), sides 1…65500 px (bad_data beyond).

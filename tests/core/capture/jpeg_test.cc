@@ -129,6 +129,17 @@ TEST(Jpeg, DecodesIntoMemoryThatIsThereAndRefusesAnotherSize) {
   EXPECT_NE(refused.error().message.find("40×24 px among 24×40"), std::string::npos);
 }
 
+TEST(Jpeg, AFrameOfSeveralScansIsRefusedBeforeItTakesTime) {
+  std::string bytes = *encode_jpeg(test_pattern(40, 24).view(), 95);
+  const auto frame = bytes.find("\xFF\xC0");
+  ASSERT_NE(frame, std::string::npos);
+  bytes[frame + 1] = '\xC2';  // says that it is progressive
+  GrayImage image(40, 24);
+  const Status refused = decode_jpeg_into(bytes, image);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("several scans"));
+}
+
 TEST(Jpeg, HugeSizesAreRefusedBeforeMemoryIsAskedFor) {
   std::string bytes = *encode_jpeg(test_pattern(40, 24).view(), 95);
   const auto frame =
