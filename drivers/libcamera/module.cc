@@ -1,16 +1,12 @@
 #include <fmt/ranges.h>
-#include <libcamera/camera_manager.h>
 #include <libcamera/control_ids.h>
 #include <libcamera/framebuffer_allocator.h>
-#include <libcamera/logging.h>
-#include <libcamera/property_ids.h>
-#include <sys/stat.h>
 
 #include <cerrno>
 #include <ctime>
-#include <system_error>
 
 #include "drivers/frame_maker.h"
+#include "drivers/libcamera/camera_lookup.h"
 #include "drivers/libcamera/camera_settings.h"
 #include "drivers/libcamera/libcamera_source.h"
 #include "drivers/libcamera/mapped_frame_buffer.h"
@@ -25,40 +21,10 @@
 namespace waymark {
 namespace {
 
-std::string reason(int negative_errno) {
-  return std::error_code(-negative_errno, std::generic_category()).message();
-}
-
 Stamp boottime_now() {
   timespec now{};
   ::clock_gettime(CLOCK_BOOTTIME, &now);
   return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
-}
-
-/// libcamera allows one manager per process: all cameras share it, the first one starts it.
-Expected<std::shared_ptr<libcamera::CameraManager>> shared_manager() {
-  static std::mutex mutex;
-  static std::weak_ptr<libcamera::CameraManager> current;
-  const std::lock_guard lock(mutex);
-  if (auto running = current.lock()) return running;
-  libcamera::logSetLevel("*", "WARN");
-  auto manager = std::make_shared<libcamera::CameraManager>();
-  if (const int failed = manager->start(); failed < 0) {
-    return fail(ErrorKind::unavailable, "libcamera can't start: {}", reason(failed));
-  }
-  current = manager;
-  return manager;
-}
-
-/// The camera to which a node of Video4Linux belongs; null: none of libcamera's.
-std::shared_ptr<libcamera::Camera> camera_of(libcamera::CameraManager& manager,
-                                             const std::string& node) {
-  struct stat info {};
-  return ::stat(node.c_str(), &info) == 0 ? manager.get(info.st_rdev) : nullptr;
-}
-
-std::string model_of(const libcamera::Camera& camera) {
-  return camera.properties().get(libcamera::properties::Model).value_or("no model");
 }
 
 class LibcameraSource final : public FrameSource {
@@ -162,7 +128,9 @@ class LibcameraSource final : public FrameSource {
                   "libcamera's name; use device = \"serial={}\"",
                   name(), options_.camera.serial);
     }
-    return manager_->get(options_.id);
+    auto camera = manager_->get(options_.id);
+    node_ = camera == nullptr ? "" : capture_node_of(camera, *manager_, *system_);
+    return camera;
   }
   [[nodiscard]] Expected<std::shared_ptr<libcamera::Camera>> find_by_device() {
     const auto device =
@@ -381,21 +349,4 @@ void waymark_make_libcamera_source(std::shared_ptr<waymark::VideoSystem> system,
                                    const waymark::LibcameraOptions& options,
                                    std::unique_ptr<waymark::FrameSource>& result) {
   result = std::make_unique<waymark::LibcameraSource>(std::move(system), options);
-}
-
-void waymark_list_libcamera_cameras(waymark::VideoSystem& system,
-                                    std::vector<waymark::LibcameraCamera>& result) {
-  const auto manager = waymark::shared_manager();
-  if (!manager) return;
-  for (const auto& camera : (*manager)->cameras()) {
-    waymark::LibcameraCamera listed;
-    listed.id = camera->id();
-    listed.model = waymark::model_of(*camera);
-    listed.offered = waymark::offered_formats(*camera);
-    listed.understood = waymark::understood_formats(*camera);
-    for (const waymark::VideoDevice& device : system.nodes()) {
-      if (waymark::camera_of(**manager, device.node) == camera) listed.nodes.push_back(device.node);
-    }
-    result.push_back(std::move(listed));
-  }
 }
