@@ -92,9 +92,9 @@ TEST_F(DaemonTest, TheWatchdogStarvesWhenACameraIsStuckInACall) {
 TEST_F(DaemonTest, TheEndDoesNotWaitForAStuckDriver) {
   start();
   cameras_[0]->get_stuck();
-  ASSERT_TRUE(turn_until([&] {  // it is in the call
-    cameras_[0]->give(monotonic_now());
-    return cameras_[0]->lent() == 0 && poses_.size() > 2;
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return cameras_[0]->is_stuck() && poses_.size() > 2;
   }));
   const Stamp before = monotonic_now();
   EXPECT_FALSE(daemon_->stop(milliseconds(200)));

@@ -47,13 +47,15 @@ class FakeCamera final : public FrameSource, public FrameLender {
   void turn(Stamp now) { turns_.touch(now); }
   /// From now on frames arrive so long before next gives them.
   void take_long(Stamp time) { delay_ = time; }
+  /// Whether a call waits for release().
+  [[nodiscard]] bool is_stuck() const { return held_; }
   [[nodiscard]] int lent() const { return lent_; }
   [[nodiscard]] int starts() const { return starts_; }
   [[nodiscard]] bool closed() const { return closed_; }
 
   [[nodiscard]] const std::string& name() const override { return name_; }
   [[nodiscard]] Status start() override {
-    stuck_.wait(true);
+    stay_stuck();
     const std::lock_guard lock(mutex_);
     stopped_ = false;
     ++starts_;
@@ -61,7 +63,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
     return {};
   }
   [[nodiscard]] Expected<std::optional<Frame>> next(Stamp deadline) override {
-    stuck_.wait(true);
+    stay_stuck();
     std::unique_lock lock(mutex_);
     changed_.wait_until(lock, as_time_point(deadline),
                         [&] { return stopped_ || !due_.empty() || !failure_.empty(); });
@@ -92,6 +94,12 @@ class FakeCamera final : public FrameSource, public FrameLender {
   void take_back(std::uint32_t /*slot*/) noexcept override { --lent_; }
 
  private:
+  void stay_stuck() {
+    held_ = stuck_.load();
+    stuck_.wait(true);
+    held_ = false;
+  }
+
   static constexpr std::size_t kImages = 8;  ///< more than are ever lent at a time
 
   std::string name_;
@@ -110,6 +118,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
   std::atomic<int> starts_{0};
   std::atomic<bool> closed_{false};
   std::atomic<bool> stuck_{false};
+  std::atomic<bool> held_{false};
 };
 
 }  // namespace waymark::test
