@@ -173,7 +173,7 @@ class Applying {
     const double now_us = **now * kExposureUnit_us;
     const double step_us = (*range)->step * kExposureUnit_us;
     if (wanted_.exposure_us && std::abs(now_us - *wanted_.exposure_us) > step_us) {
-      return fail(ErrorKind::config, "{}: exposure_us = {} was not set, the device has {}",
+      return fail(ErrorKind::io, "{}: exposure_us = {} was not set, the device has {}",
                   node_.path(), *wanted_.exposure_us, now_us);
     }
     applied_.exposure = from_us(now_us);

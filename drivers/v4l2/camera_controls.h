@@ -22,8 +22,9 @@ struct AppliedControls {
 [[nodiscard]] Expected<AppliedControls> apply_controls(VideoNode& node,
                                                        const CameraControls& controls);
 
-/// How a camera is found to take its images that another library was told to set so. Errors: config
-/// when its exposure is not the wanted one; those of node_error.
+/// How a camera is found to take its images that another library was told to set so. Errors: io
+/// when its exposure is not the wanted one, for it may have failed for any reason; those of
+/// node_error.
 [[nodiscard]] Expected<AppliedControls> read_controls(VideoNode& node,
                                                       const CameraControls& wanted);
 
