@@ -102,7 +102,7 @@ class ControlPanel {
     if (!found) return tl::make_unexpected(found.error());
     if (!*found) return true;
     for (const int value : manual) {
-      const auto off = write(id, value);
+      auto off = write(id, value);
       if (!off || *off) return off;
     }
     return false;
