@@ -157,6 +157,15 @@ int measure_stages(Player& player, const MarkerMap& map, int sets, bool detectio
   return 0;
 }
 
+constexpr Stamp kDiskPatience = std::chrono::seconds(30);
+
+/// Ends the recording, if there is one: how many sets it has on the disk.
+std::uint64_t end_of(Recorder& recorder) {
+  if (recorder.state().phase == Recorder::Phase::idle) return 0;
+  recorder.stop();
+  return recorder.settle(monotonic_now() + kDiskPatience) ? recorder.state().sets : 0;
+}
+
 /// The same sets by turns with and without a recording, so that whatever else the machine does
 /// meets both.
 int measure_recording(Player& player, const MarkerMap& map, int sets, const std::string& folder) {
@@ -181,12 +190,10 @@ int measure_recording(Player& player, const MarkerMap& map, int sets, const std:
   for (int i = -kWarmUp; i < sets; ++i) {
     const bool records = i >= 0 && i / kBlock % 2 == 1;
     if (i >= 0 && i % kBlock == 0) {
-      recorded += recorder.state().running ? recorder.state().sets : 0;
-      recorder.stop();
-      const auto started = recorder.start(fmt::format("{}/{}", folder, i), facts, options);
-      if (!records) recorder.stop();
-      if (!started) {
-        fmt::print(stderr, "{}\n", started.error().message);
+      recorded += end_of(recorder);
+      if (records) recorder.start(fmt::format("{}/{}", folder, i), facts, options);
+      if (!recorder.settle(monotonic_now() + kDiskPatience) || recorder.state().failure) {
+        fmt::print(stderr, "{}/{}: can't record here\n", folder, i);
         return 74;
       }
     }
@@ -200,8 +207,7 @@ int measure_recording(Player& player, const MarkerMap& map, int sets, const std:
     if (records) recorder.offer(*set);
     if (i >= 0) times[records ? 1 : 0].push_back(done - begun);
   }
-  recorder.stop();
-  recorded += recorder.state().sets;
+  recorded += end_of(recorder);
   print_times("set to pose", times[0]);
   print_times("the same, recording", times[1]);
   fmt::print("  {} sets recorded, {} not for want of memory\n", recorded, recorder.state().drops);
