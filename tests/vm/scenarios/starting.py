@@ -46,7 +46,7 @@ def list_and_check(world):
     """--list-cameras prints a block for each; --check knows a running locd as their owner, and tries them without."""
     world.localize()
     listed = world.guest.check("locd --list-cameras")
-    assert sorted(re.findall(r'^device = "serial=(.*)"$', listed, re.M)) == ["WM-0", "WM-1", "WM-2"], listed
+    assert sorted(re.findall(r'''^device = ["']serial=(.*)["']$''', listed, re.M)) == ["WM-0", "WM-1", "WM-2"], listed
     check = "locd --config /etc/locd/locd.toml --check"
     checked = world.guest.check(check)
     assert checked.count(f"in use by the running locd (pid {world.locd.pid()})") == 3, checked
