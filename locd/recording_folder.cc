@@ -229,6 +229,8 @@ void RecordingFolder::delete_oldest() {
   images_ -= oldest.images.size();
   image_bytes_ -= oldest.bytes;
   delete_set(oldest);
+  // At once, for a kill may come between two; a full disk may take it only once there is room.
+  (void)forget_deleted_rows();
 }
 
 void RecordingFolder::delete_set(const SetOnDisk& set) {

@@ -147,6 +147,29 @@ TEST(RecordingFolder, TheTableForgetsDeletedSetsOnceTheyAreMoreThanHalf) {
   EXPECT_EQ(images_in(tmp.path()), 12U);
 }
 
+TEST(RecordingFolder, TheTableListsNoMoreDeletedThanKeptImagesAlsoWhileRoomIsMade) {
+  const TemporaryFolder tmp;
+  test::DiskDouble disk;
+  RecordingBudget budget = generous();
+  budget.min_free_bytes = kFloor;
+  auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
+  ASSERT_TRUE(folder);
+  std::uint64_t capacity = std::uint64_t{1} << 40;
+  std::size_t most_rows_per_image = 0;
+  disk.say_free([&] {  // asked for between one set's end and the next one's
+    const std::size_t images = 2 * folder->sets();
+    if (images > 0) {
+      most_rows_per_image = std::max(most_rows_per_image, (rows_in(tmp) + images - 1) / images);
+    }
+    return capacity - RingOnADisk::kSet * folder->sets();
+  });
+  for (int i = 0; i < 20; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
+  capacity = kFloor + 4 * RingOnADisk::kSet + kBlock;
+  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(20))));
+  EXPECT_EQ(folder->sets(), 4U);
+  EXPECT_LE(most_rows_per_image, 2U);
+}
+
 TEST(RecordingFolder, ARestartForgetsTheRowsOfDeletedSetsToo) {
   const TemporaryFolder tmp;
   RecordingBudget budget = generous();
