@@ -4,6 +4,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <map>
 #include <set>
@@ -151,6 +152,8 @@ void RecordingFolder::list_earlier_sets(Stamp tolerance) {
     image_bytes_ += set.bytes;
     sets_.push_back(std::move(set));
   }
+  unlisted_ = images_;  // for all that is known before the table is read
+  (void)forget_deleted_rows();
 }
 
 std::string RecordingFolder::file_name(Stamp stamp) const {
@@ -162,7 +165,7 @@ Status RecordingFolder::write_set(const std::vector<RecordedImage>& images) {
   SetOnDisk set;
   set.stamp = images.front().info.stamp;
   for (const RecordedImage& image : images) set.bytes += image.bytes.size();
-  if (auto room = make_room(set.bytes + rows.size(), set.stamp); !room) return room;
+  if (auto room = make_room(set.bytes + rows.size()); !room) return room;
   if (auto rewritten = forget_deleted_rows(); !rewritten) return rewritten;
   for (const RecordedImage& image : images) {
     if (auto written = write_image(image); !written) {
@@ -178,6 +181,7 @@ Status RecordingFolder::write_set(const std::vector<RecordedImage>& images) {
   images_ += set.images.size();
   image_bytes_ += set.bytes;
   sets_.push_back(std::move(set));
+  delete_outdated();
   return unsynced_.size() >= kMaxUnsynced ? sync() : Status{};
 }
 
@@ -194,14 +198,13 @@ tl::unexpected<Error> RecordingFolder::no_room(std::uint64_t free_bytes) const {
               path_.string(), free_bytes, budget_.min_free_bytes);
 }
 
-Status RecordingFolder::make_room(std::uint64_t bytes, Stamp stamp) {
+Status RecordingFolder::make_room(std::uint64_t bytes) {
   const std::uint64_t needed = budget_.min_free_bytes + bytes;
   auto free = free_bytes();
   if (!free) return tl::make_unexpected(free.error());
   // Somebody else has filled the disk: all that could be deleted would not make up for it.
   if (*free + image_bytes_ + earlier_.bytes() < needed) return no_room(*free);
-  while (has_oldest() && (oldest() < stamp - budget_.keep ||
-                          earlier_.bytes() + this->bytes() + bytes > budget_.max_bytes)) {
+  while (has_oldest() && earlier_.bytes() + this->bytes() + bytes > budget_.max_bytes) {
     delete_oldest();
   }
   while ((free = free_bytes()) && *free < needed) {
@@ -211,15 +214,21 @@ Status RecordingFolder::make_room(std::uint64_t bytes, Stamp stamp) {
   return free ? Status{} : tl::make_unexpected(free.error());
 }
 
+void RecordingFolder::delete_outdated() {
+  while (oldest() < sets_.back().stamp - budget_.keep) delete_oldest();
+}
+
 Status RecordingFolder::forget_deleted_rows() {
-  if (table_->rows() <= 2 * images_) return {};
+  if (table_->rows() + 2 * unlisted_ <= 2 * images_) return {};
   std::set<std::pair<std::string_view, Stamp>> kept;
   for (const SetOnDisk& set : sets_) {
     for (const ImageOnDisk& image : set.images) kept.emplace(cameras_[image.camera], image.stamp);
   }
-  return table_->forget_all_but([&](std::string_view camera, Stamp stamp) {
+  auto rewritten = table_->forget_all_but([&](std::string_view camera, Stamp stamp) {
     return kept.contains({camera, stamp});
   });
+  if (rewritten) unlisted_ = images_ - std::min(images_, table_->rows());
+  return rewritten;
 }
 
 void RecordingFolder::delete_oldest() {

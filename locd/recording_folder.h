@@ -58,7 +58,7 @@ class RecordingFolder {
   RecordingFolder& operator=(RecordingFolder&&) = delete;
 
   /// Writes one frame set, after making room for it: nothing is deleted where that would not do.
-  /// Errors: io (disk full, device gone, no room to be made); then nothing of the set is left
+  /// Sets that it makes outdated go once it is there. Errors: io (disk full, device gone, no room to be made); then nothing of the set is left
   /// behind.
   [[nodiscard]] Status write_set(const std::vector<RecordedImage>& images);
 
@@ -89,7 +89,9 @@ class RecordingFolder {
   void list_earlier_sets(Stamp tolerance);
   [[nodiscard]] Expected<std::uint64_t> free_bytes() const;
   [[nodiscard]] tl::unexpected<Error> no_room(std::uint64_t free_bytes) const;
-  [[nodiscard]] Status make_room(std::uint64_t bytes, Stamp stamp);
+  [[nodiscard]] Status make_room(std::uint64_t bytes);
+  /// Once a newer set is there: a kill in between would leave an empty capture.
+  void delete_outdated();
   [[nodiscard]] bool has_oldest() const { return !earlier_.empty() || !sets_.empty(); }
   [[nodiscard]] Stamp oldest() const {
     return earlier_.empty() ? sets_.front().stamp : earlier_.oldest();
@@ -98,6 +100,7 @@ class RecordingFolder {
   void delete_set(const SetOnDisk& set);
   [[nodiscard]] Status write_image(const RecordedImage& image);
   [[nodiscard]] std::string rows_of(const std::vector<RecordedImage>& images) const;
+  /// Keeps the table from listing more deleted images than kept ones.
   [[nodiscard]] Status forget_deleted_rows();
   [[nodiscard]] std::string file_name(Stamp stamp) const;
 
@@ -110,7 +113,8 @@ class RecordingFolder {
   std::optional<FrameTable> table_;
   RecordingArchive earlier_;
   std::deque<SetOnDisk> sets_;
-  std::uint64_t images_ = 0;  ///< in sets_
+  std::uint64_t images_ = 0;    ///< in sets_
+  std::uint64_t unlisted_ = 0;  ///< of them at most: without a row, for a kill came before it
   std::uint64_t image_bytes_ = 0;
 };
 

@@ -1,13 +1,11 @@
 #include "locd/recording_folder.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <csignal>
 #include <optional>
 
 #include "tests/locd/recording_fixture.h"
 #include "tests/support/disk_double.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -64,6 +62,24 @@ TEST(RecordingFolder, IsARingByAge) {
   for (int i = 0; i < 25; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
   EXPECT_EQ(folder->sets(), 6U);  // 19 … 24
   EXPECT_EQ(images_in(tmp.path()), 12U);
+}
+
+/// A kill may come at any moment, and a locd that was down for longer than a ring is long finds only
+/// outdated sets in it.
+TEST(RecordingFolder, OutdatedSetsGoOnlyOnceAnotherIsThere) {
+  const TemporaryFolder tmp;
+  RecordingBudget budget = generous();
+  budget.keep = seconds(1);
+  ASSERT_TRUE(RecordingFolder::open(tmp.path(), facts(), budget)->write_set(set_at(kStart)));
+  auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
+  ASSERT_TRUE(folder);
+  {
+    const test::FullDisk full(1000);
+    ASSERT_FALSE(folder->write_set(set_at(kStart + seconds(60))));
+  }
+  EXPECT_EQ(images_in(tmp.path()), 2U);
+  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(120))));
+  EXPECT_EQ(open_capture_folder(tmp.path())->images.front().stamp, kStart + seconds(120));
 }
 
 /// Budget, folder and a disk of which the folder's images are the only thing that changes.
@@ -134,12 +150,12 @@ TEST(RecordingFolder, TheTableForgetsDeletedSetsOnceTheyAreMoreThanHalf) {
   budget.keep = seconds(5);  // with the one that is written: six sets, twelve rows
   auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
   ASSERT_TRUE(folder);
-  for (int i = 0; i < 11; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
-  EXPECT_EQ(rows_in(tmp), 22U);  // before the last set: ten of sets that are there, ten of others
-  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(11))));
+  for (int i = 0; i < 12; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
+  EXPECT_EQ(rows_in(tmp), 24U);  // twelve of images that are there, twelve of others
+  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(12))));
   EXPECT_EQ(rows_in(tmp), 12U);
-  for (int i = 12; i < 40; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
-  EXPECT_LE(rows_in(tmp), 22U);
+  for (int i = 13; i < 40; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
+  EXPECT_LE(rows_in(tmp), 24U);
   for (int i = 34; i < 40; ++i) {
     EXPECT_THAT(tmp.read("frames.csv"),
                 HasSubstr(fmt::format("cam1,{},", (kStart + seconds(i)).count() + 1000)));
@@ -183,18 +199,35 @@ TEST(RecordingFolder, ARestartForgetsTheRowsOfDeletedSetsToo) {
   EXPECT_EQ(images_in(tmp.path()), 4U);
 }
 
+TEST(RecordingFolder, ImagesThatAKillLeftWithoutARowDoNotHoldUpTheForgettingOfOthers) {
+  const TemporaryFolder tmp;
+  RecordingBudget budget = generous();
+  {
+    auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
+    ASSERT_TRUE(folder);
+    for (int i = 0; i < 10; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(i))));
+  }
+  for (int i = 1; i <= 20; ++i) {
+    const Stamp stamp = kStart + seconds(9) + std::chrono::milliseconds(10 * i);
+    tmp.write(fmt::format("cam0/{}.pgm", stamp.count()), image_bytes());
+  }
+  budget.keep = seconds(3);
+  auto folder = RecordingFolder::open(tmp.path(), facts(), budget);
+  ASSERT_TRUE(folder);
+  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(10))));
+  constexpr std::size_t kListed = 2 * 4;  // images of 7 … 10
+  EXPECT_EQ(images_in(tmp.path()), kListed + 20);
+  EXPECT_LE(rows_in(tmp), 2 * kListed);
+}
+
 TEST(RecordingFolder, AFullDiskLeavesWholeSetsOnly) {
   const TemporaryFolder tmp;
   auto folder = RecordingFolder::open(tmp.path(), facts(), generous());
   ASSERT_TRUE(folder);
   ASSERT_TRUE(folder->write_set(set_at(kStart)));
-  std::signal(SIGXFSZ, SIG_IGN);
-  rlimit before{};
-  ::getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit full{1000, before.rlim_max};
-  ::setrlimit(RLIMIT_FSIZE, &full);
+  std::optional<test::FullDisk> full(1000);
   const auto refused = folder->write_set(set_at(kStart + seconds(1)));
-  ::setrlimit(RLIMIT_FSIZE, &before);
+  full.reset();
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::io);
   EXPECT_EQ(images_in(tmp.path()), 2U);
@@ -213,13 +246,9 @@ TEST(RecordingFolder, ARowThatTheDiskTookInPartIsTakenBack) {
     ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(sets++))));
   }
   const std::string before = tmp.read("frames.csv");
-  std::signal(SIGXFSZ, SIG_IGN);
-  rlimit unlimited{};
-  ::getrlimit(RLIMIT_FSIZE, &unlimited);
-  const rlimit full{before.size() + 20, unlimited.rlim_max};
-  ::setrlimit(RLIMIT_FSIZE, &full);
+  std::optional<test::FullDisk> full(before.size() + 20);
   const auto refused = folder->write_set(set_at(kStart + seconds(sets)));
-  ::setrlimit(RLIMIT_FSIZE, &unlimited);
+  full.reset();
   ASSERT_FALSE(refused);
   EXPECT_THAT(refused.error().message, HasSubstr("frames.csv"));
   EXPECT_EQ(tmp.read("frames.csv"), before);

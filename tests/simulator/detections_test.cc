@@ -13,7 +13,7 @@
 #include "simulator/covisibility.h"
 #include "simulator/scene_library.h"
 #include "simulator/simulate_detections.h"
-#include "tests/simulator/full_disk.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark::simulator {
@@ -192,7 +192,7 @@ TEST_F(Detections, InterruptionLeavesNothingBehind) {
 TEST_F(Detections, AFullDiskLeavesNothingBehind) {
   Expected<DetectionsResult> result = tl::make_unexpected(Error{ErrorKind::internal, ""});
   {
-    const FullDisk full(20'000);  // enough for the description, not for the detections
+    const test::FullDisk full(20'000);  // enough for the description, not for the detections
     result = simulate_detections(*scene_, *rig_, quiet(), out("full"), stop_);
   }
   ASSERT_FALSE(result.has_value());

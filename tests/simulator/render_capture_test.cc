@@ -10,7 +10,7 @@
 #include "core/capture/image_file.h"
 #include "core/geometry/tum.h"
 #include "simulator/scene_library.h"
-#include "tests/simulator/full_disk.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark::simulator {
@@ -105,7 +105,7 @@ TEST_F(RenderCapture, AFullDiskLeavesNothingBehind) {
   const auto rig = load_rig("cg180");
   Expected<RenderResult> result = tl::make_unexpected(Error{ErrorKind::internal, ""});
   {
-    const FullDisk full(20'000);  // enough for the description, not for an image
+    const test::FullDisk full(20'000);  // enough for the description, not for an image
     result = render_capture(*scene_, *rig, quick_job(), temporary_.path() / "x", stop_);
   }
   ASSERT_FALSE(result.has_value());

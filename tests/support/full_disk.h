@@ -4,7 +4,7 @@
 
 #include <csignal>
 
-namespace waymark::simulator {
+namespace waymark::test {
 
 /// While it lives, no file of this process grows beyond a size: writing fails half-way, as on a
 /// full disk.
@@ -29,4 +29,4 @@ class FullDisk {
   void (*handler_)(int) = nullptr;
 };
 
-}  // namespace waymark::simulator
+}  // namespace waymark::test
