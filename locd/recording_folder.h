@@ -58,8 +58,8 @@ class RecordingFolder {
   RecordingFolder& operator=(RecordingFolder&&) = delete;
 
   /// Writes one frame set, after making room for it: nothing is deleted where that would not do.
-  /// Sets that it makes outdated go once it is there. Errors: io (disk full, device gone, no room to be made); then nothing of the set is left
-  /// behind.
+  /// Sets that it makes outdated go once it is there. Errors: io (disk full, device gone, no room
+  /// to be made); then nothing of the set is left behind.
   [[nodiscard]] Status write_set(const std::vector<RecordedImage>& images);
 
   /// Brings all that was written to the disk itself. Error: io.

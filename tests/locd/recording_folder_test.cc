@@ -64,8 +64,8 @@ TEST(RecordingFolder, IsARingByAge) {
   EXPECT_EQ(images_in(tmp.path()), 12U);
 }
 
-/// A kill may come at any moment, and a locd that was down for longer than a ring is long finds only
-/// outdated sets in it.
+/// A kill may come at any moment, and a locd that was down for longer than a ring is long finds
+/// only outdated sets in it.
 TEST(RecordingFolder, OutdatedSetsGoOnlyOnceAnotherIsThere) {
   const TemporaryFolder tmp;
   RecordingBudget budget = generous();
