@@ -8,7 +8,7 @@ cp -a "$KERNEL/lib/modules" "$overlay/usr/lib/"
 echo waymark-vm >"$overlay/etc/hostname"
 # A machine-id that is there saves 5 s of a first boot.
 echo 0123456789abcdef0123456789abcdef >"$overlay/etc/machine-id"
-: >"$overlay/etc/fstab"
+echo 'share /share 9p noauto,trans=virtio,version=9p2000.L,msize=262144' >"$overlay/etc/fstab"
 install -m 755 "$here/guest/waymark-agent" "$overlay/usr/local/sbin/"
 install -m 644 "$here/guest/waymark-agent.service" "$units/"
 ln -s ../waymark-agent.service "$units/sysinit.target.wants/"

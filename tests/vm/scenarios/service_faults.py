@@ -2,6 +2,8 @@
 
 import shutil
 
+from poses import assert_expected
+
 
 def good_reload(world):
     """Another map takes the old one's place without a restart."""
@@ -89,6 +91,14 @@ def stuck_thread(world):
         assert int(world.locd.show("NRestarts")) == restarts + 1
 
 
+def assert_steady(before, after, what):
+    """utime went on between two poses as the clock did that nobody sets, in one process."""
+    by_utime_s = (after["utime"] - before["utime"]) / 1e6
+    by_stamp_s = (after["heard_s"] - after["latency_ms"] / 1e3) - (before["heard_s"] - before["latency_ms"] / 1e3)
+    assert abs(by_utime_s - by_stamp_s) < 0.5, f"{what}: utime went on by {by_utime_s} s in {by_stamp_s} s"
+    assert after["session"] == before["session"], f"{what}: it was restarted"
+
+
 # s by which somebody sets the wall clock; None: to 1970, as if its battery were empty.
 CLOCK_STEPS_S = (3600, -3600, 0.05, -0.05, None)
 
@@ -111,12 +121,36 @@ def clock_steps(world):
                 world.hearing.wait_for("TIME", "ALERT", lambda m: m["raised"] and m["kind"] == "TIME")
             steps = world.hearing.wait_for("counted step", "STATUS", lambda m, s=steps: m["time_steps"] > s)["time_steps"]
             after = world.wait_for_full_pose()
-            by_utime_s = (after["utime"] - before["utime"]) / 1e6
-            by_stamp_s = (after["heard_s"] - after["latency_ms"] / 1e3) - (before["heard_s"] - before["latency_ms"] / 1e3)
-            assert abs(by_utime_s - by_stamp_s) < 0.5, f"{step_s}: utime went on by {by_utime_s} s in {by_stamp_s} s"
-            assert after["session"] == before["session"], "it was restarted"
+            assert_steady(before, after, f"a step of {step_s} s")
     finally:
         world.guest.check(f"date --set=@$(awk '{{ printf \"%.3f\", $1 + {offset_s} }}' /proc/uptime)")
+        world.locd.stop()
+
+
+def slept_s(world):
+    """For how long the machine has slept since it was started."""
+    return float(world.guest.check("perl -MTime::HiRes=clock_gettime,CLOCK_MONOTONIC -e "
+                                   "'print clock_gettime(7) - clock_gettime(CLOCK_MONOTONIC)'"))  # 7: BOOTTIME
+
+
+def suspend_and_resume(world):
+    """The machine sleeps, its cameras without power: poses of all go on by the clock that did not count it; the
+    log and a counter say so."""
+    before = world.localize()
+    world.hearing.mark()
+    steps = world.hearing.wait_for("status", "STATUS", lambda m: True)["time_steps"]
+    awake_s = slept_s(world)
+    world.hearing.mark()
+    try:
+        world.suspend()
+        took_s = slept_s(world) - awake_s
+        assert took_s > 4, f"it slept for {took_s} s"
+        world.hearing.wait_for("counted step", "STATUS", lambda m: m["time_steps"] > steps)
+        world.wait_until("it says so", lambda: world.locd.has_said("clock was set or it slept"))
+        after = world.wait_for_full_pose(count=3)[-1]
+        assert_expected(world, after)
+        assert_steady(before, after, "the sleep")
+    finally:
         world.locd.stop()
 
 
