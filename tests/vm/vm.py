@@ -23,12 +23,10 @@ import package
 import poses
 import service_faults
 import starting
-from hearing import PATIENCE
 from inputs import make_inputs
 from world import load
 
 SCENARIOS = (package, poses, starting, devices, service_faults, disks, capture_paths)
-BOOT_S = 120
 
 
 def make_packages(paths, folder):
@@ -58,32 +56,18 @@ def start(world):
     image = subprocess.run([HERE / "image/build", packages / "waymark-locd.deb"], check=True,
                            stdout=subprocess.PIPE, text=True)
     say("image there")
-    world.machine.start(*image.stdout.split())
+    world.machine.assemble(*image.stdout.split())
     for package_file in packages.glob("*.deb"):
         shutil.copy(package_file, world.share)
     (world.share / "bin").mkdir()
     for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture"):
         shutil.copy(world.paths[tool], world.share / "bin")
-    wait_for_boot(world)
+    print(world.boot())
     say("guest up")
 
 
-def wait_for_boot(world):
-    deadline = time.monotonic() + BOOT_S * PATIENCE
-    while True:
-        try:
-            print(world.guest.check("systemctl is-system-running --wait; cut -d' ' -f1 /proc/uptime", BOOT_S))
-            return
-        except OSError:  # QEMU has not opened its sockets yet
-            if time.monotonic() > deadline or not world.machine.is_running():
-                raise
-            time.sleep(0.2)
-
-
 def end(world):
-    for camera in world.cameras:
-        camera.unplug()
-    world.machine.kill()
+    world.cut_power()
 
 
 def scenario_named(name):

@@ -34,6 +34,10 @@ class Guest:
             os.close(here)
         return agent
 
+    def hang_up(self):
+        """The agent is gone; the next command asks for another."""
+        self.agent = None
+
     def run(self, command, timeout_s=60):
         """(exit code, output) of a command of POSIX's shell; of `timeout_s` exceeded, GuestError."""
         self.last_id += 1

@@ -4,6 +4,7 @@ Everything of a run lies in one folder, the run folder: sockets, the console's l
 the folder that is shared with the guest.
 """
 
+import os
 import pathlib
 import signal
 import subprocess
@@ -33,29 +34,40 @@ class Machine:
         self.share = self.run / "share"
         self.recordings = self.run / "recordings.ext4"
 
-    def start(self, kernel, initrd, root):
-        """Starts it and returns at once; sockets are named relative to the run folder, for their length is
-        limited to 107 bytes."""
+    def assemble(self, kernel, initrd, root):
+        """Gives it a kernel and disks: a root of its own, an empty disk for recordings."""
         self.share.mkdir(parents=True, exist_ok=True)
+        os.symlink(kernel, self.run / "kernel")
+        os.symlink(initrd, self.run / "initrd")
+        subprocess.run(["cp", "--sparse=always", root, self.run / "root.ext4"], check=True)
         subprocess.run(["mke2fs", "-q", "-t", "ext4", "-F", self.recordings, f"{RECORDINGS_MB}M"],
                        check=True)
-        with open(self.console, "wb") as console:
+
+    def start(self):
+        """Gives it power and returns at once; sockets are named relative to the run folder, for their length is
+        limited to 107 bytes."""
+        # As initial RAM disks do after a power cut; this root has no journal.
+        checked = subprocess.run(["e2fsck", "-y", self.run / "root.ext4"], check=False, capture_output=True, text=True)
+        if checked.returncode not in (0, 1):
+            raise OSError(f"the root's file system is damaged: {checked.stdout}{checked.stderr}")
+        with open(self.console, "ab") as console:
             process = subprocess.Popen(
-                ["timeout", "--kill-after=5", str(LIFETIME_S), *self._command(kernel, initrd, root)],
+                ["timeout", "--kill-after=5", str(LIFETIME_S), *self._command()],
                 cwd=self.run, stdin=subprocess.DEVNULL, stdout=console, stderr=console,
                 start_new_session=True)
         self.pid_file.write_text(str(process.pid), encoding="utf-8")
 
     @staticmethod
-    def _command(kernel, initrd, root):
+    def _command():
         command = [
             "qemu-system-x86_64", "-machine", "q35", "-accel", "tcg,thread=multi,tb-size=512", "-cpu", "max",
             "-smp", "2", "-m", "2048", "-nodefaults", "-no-user-config", "-display", "none",
             "-serial", "stdio", "-no-reboot", "-nic", "none",
-            "-kernel", kernel, "-initrd", initrd,
+            "-kernel", "kernel", "-initrd", "initrd",
             "-append", " ".join(KERNEL_ARGUMENTS),
-            # The root is thrown away after each run; the recordings' disk is looked at from outside.
-            "-drive", f"if=none,id=root,file={root},format=raw,snapshot=on,cache=unsafe",
+            # What has reached a disk outlasts the machine: the root for its next start, recordings to be looked
+            # at from outside.
+            "-drive", "if=none,id=root,file=root.ext4,format=raw,cache=unsafe",
             "-device", "virtio-blk-pci,drive=root",
             "-drive", "if=none,id=recordings,file=recordings.ext4,format=raw,cache=writeback",
             "-device", "virtio-blk-pci,drive=recordings",

@@ -32,6 +32,9 @@ def pose_distance(a, b):
     return math.dist(a[0], b[0]), math.degrees(2 * math.atan2(math.hypot(x, y, z), cosine))
 
 
+BOOT_S = 120
+
+
 class World:
     def __init__(self, paths):
         self.paths = paths
@@ -43,6 +46,25 @@ class World:
         self.hearing = Hearing(self.share)
         self.locd = Locd(self.guest, self.share, paths["inputs"])
         self.capture = pathlib.Path(paths["inputs"]) / "capture"
+
+    def boot(self):
+        """Gives the machine power and returns when it is up: its state and uptime (s)."""
+        self.machine.start()
+        deadline = time.monotonic() + BOOT_S * PATIENCE
+        while True:
+            try:
+                return self.guest.check("systemctl is-system-running --wait; cut -d' ' -f1 /proc/uptime", BOOT_S)
+            except OSError:  # QEMU has not opened its sockets yet
+                if time.monotonic() > deadline or not self.machine.is_running():
+                    raise
+                time.sleep(0.2)
+
+    def cut_power(self):
+        """Of the machine and of its cameras."""
+        for camera in self.cameras:
+            camera.unplug()
+        self.machine.kill()
+        self.guest.hang_up()
 
     # What scenarios begin with.
 

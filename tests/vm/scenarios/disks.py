@@ -3,6 +3,8 @@
 import shutil
 import subprocess
 
+from poses import assert_expected
+
 MOUNT = "/var/lib/locd/recordings"
 
 
@@ -74,6 +76,22 @@ def failing_disk(world):
         assert world.wait_for_full_pose()["session"] == session
         world.locd.stop()
         world.guest.check(f"umount {MOUNT}; echo 1 >/sys/bus/pci/rescan && udevadm settle && test -b /dev/vdb")
+
+
+def power_back(world):
+    """The computer loses its power and gets it again: locd starts with it, with no network yet, and localizes."""
+    session = world.localize()["session"]
+    world.guest.check("systemctl enable --quiet locd && sync")
+    world.cut_power()
+    world.plug_all()
+    print(world.boot())
+    world.wait_until("locd is ready", lambda: world.locd.show("ActiveState") == "active", timeout_s=120)
+    assert world.guest.run("ip route get 239.255.76.67")[0] != 0, "there is a network"
+    world.listen()
+    pose = world.wait_for_full_pose()
+    assert pose["session"] != session
+    assert_expected(world, pose)
+    assert world.locd.show("NRestarts") == "0", world.locd.journal()
 
 
 def power_cut(world):

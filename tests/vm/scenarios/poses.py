@@ -18,7 +18,7 @@ def no_route_at_boot(world):
     world.plug_all()
     world.locd.stop()
     world.locd.configure()
-    # All that a boot does with an enabled unit; booting itself would take a minute here.
+    # All that a boot does with an enabled unit; there is one in disks.power_back.
     world.guest.check("systemctl enable --quiet locd && systemctl start --no-block multi-user.target")
     world.wait_until("it is started", lambda: world.locd.show("ActiveState") == "active")
     world.wait_until("the log says why nothing is heard", lambda: world.locd.has_said("route for multicast"))
