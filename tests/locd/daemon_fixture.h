@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -118,6 +119,16 @@ class DaemonTest : public testing::Test {
       daemon_->turn(now_);
       if (systemd_) systemd_->listen();
       while (daemon_->telemetry().lcm()->handleTimeout(0) > 0) continue;
+    }
+  }
+  /// Turns as the service loop does, in true time: for what depends on the clock of threads.
+  void serve_for(Stamp time) {
+    for (const Stamp end = monotonic_now() + time; (now_ = monotonic_now()) < end;) {
+      daemon_->turn(now_);
+      if (systemd_) systemd_->listen();
+      while (daemon_->telemetry().lcm()->handleTimeout(0) > 0) continue;
+      pollfd request{daemon_->control_descriptor(), POLLIN, 0};
+      ::poll(&request, 1, 100);
     }
   }
   /// Turns until something holds that threads of the daemon bring about.

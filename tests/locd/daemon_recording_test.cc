@@ -112,8 +112,8 @@ TEST_F(DaemonTest, WhatWasRecordedIsOnTheDiskAtTheEndWhateverADriverDoes) {
   cameras_[0]->get_stuck();
   ASSERT_TRUE(turn_until([&] { return cameras_[0]->is_stuck(); }));
   const Stamp before = monotonic_now();
-  const Status ended = daemon_->stop(milliseconds(700));
-  EXPECT_LT(monotonic_now() - before, seconds(1));
+  const Status ended = daemon_->stop(seconds(3));
+  EXPECT_LT(monotonic_now() - before, seconds(8)) << "it waited for the driver";
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().message, "a camera's driver does not return; ending without");
   const auto capture = open_capture_folder(answer.substr(3, answer.size() - 4));
@@ -130,8 +130,8 @@ TEST_F(DaemonTest, TheEndDoesNotWaitForTheDisk) {
   ASSERT_THAT(request("start"), StartsWith("ok "));
   disk.stall();
   const Stamp before = monotonic_now();
-  const Status ended = daemon_->stop(milliseconds(400));
-  EXPECT_LT(monotonic_now() - before, seconds(1));
+  const Status ended = daemon_->stop(seconds(3));
+  EXPECT_LT(monotonic_now() - before, seconds(8)) << "it waited for the disk";
   ASSERT_FALSE(ended);
   EXPECT_EQ(ended.error().message, "the disk does not take the recording; ending without");
   disk.release();

@@ -50,7 +50,12 @@ class FakeCamera final : public FrameSource, public FrameLender {
   /// Whether a call waits for release().
   [[nodiscard]] bool is_stuck() const { return held_; }
   [[nodiscard]] int lent() const { return lent_; }
-  [[nodiscard]] int starts() const { return starts_; }
+  [[nodiscard]] std::size_t starts() const { return started().size(); }
+  /// When start was called.
+  [[nodiscard]] std::vector<Stamp> started() const {
+    const std::lock_guard lock(mutex_);
+    return started_;
+  }
   [[nodiscard]] bool closed() const { return closed_; }
 
   [[nodiscard]] const std::string& name() const override { return name_; }
@@ -58,7 +63,7 @@ class FakeCamera final : public FrameSource, public FrameLender {
     stay_stuck();
     const std::lock_guard lock(mutex_);
     stopped_ = false;
-    ++starts_;
+    started_.push_back(monotonic_now());
     if (!failure_.empty() && !only_next_fails_) return fail(failure_kind_, "{}", failure_);
     return {};
   }
@@ -104,9 +109,10 @@ class FakeCamera final : public FrameSource, public FrameLender {
 
   std::string name_;
   std::vector<GrayImage> images_;
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Stamp> due_;
+  std::vector<Stamp> started_;
   std::string failure_;
   ErrorKind failure_kind_ = ErrorKind::unavailable;
   std::atomic<bool> only_next_fails_{false};
@@ -115,7 +121,6 @@ class FakeCamera final : public FrameSource, public FrameLender {
   Stamp delay_{0};  ///< set before frames are given
   TurnStamp turns_;
   std::atomic<int> lent_{0};
-  std::atomic<int> starts_{0};
   std::atomic<bool> closed_{false};
   std::atomic<bool> stuck_{false};
   std::atomic<bool> held_{false};
