@@ -28,6 +28,8 @@ constexpr Stamp kStatusPeriod = std::chrono::seconds(1);
 /// A thread that has not turned for so long is stuck. Localizing one set takes a tenth of it on a
 /// slow machine, and cameras turn five times a second.
 constexpr Stamp kStuck = std::chrono::seconds(3);
+/// A camera's first start takes less, or is held up: what is wrong with it is then not known yet.
+constexpr Stamp kFirstStart = std::chrono::seconds(2);
 
 MapInUse map_in_use(const Setup& setup, const QuarantineFile& quarantine) {
   MapInUse map;
@@ -109,6 +111,8 @@ struct Daemon::Parts {
   std::atomic<const char*> ending{""};  ///< what is just told to end
   std::future<void> ended;              ///< of the threads, once they were told to
 
+  [[nodiscard]] PoseReason why_without_pose(Stamp now) const;
+  [[nodiscard]] bool has_waited_enough(Stamp now) const;
   void look_at_cameras(Stamp now);
   void pass_on(const std::vector<Alert>& alerts, Stamp now);
   void publish_status(Stamp now);
@@ -175,7 +179,7 @@ void Daemon::turn(Stamp now) {
     p.telemetry.publish_alert("TIME", "", text, true, now);
     p.log.event("TIME", text, now);
   }
-  p.telemetry.keep_alive(now);
+  p.telemetry.keep_alive(now, p.why_without_pose(now));
   p.look_at_cameras(now);
   p.pass_on(p.localization.take_alerts(), now);
   p.keep_quarantine(now);
@@ -187,6 +191,12 @@ void Daemon::turn(Stamp now) {
   p.log.summarize(now);
 }
 
+PoseReason Daemon::Parts::why_without_pose(Stamp now) const {
+  const LocalizationThread::Counts counts = localization.counts();
+  const bool frames_come = counts.at_work || now - counts.passed_over < Telemetry::kHeartbeat;
+  return frames_come ? PoseReason::overload : PoseReason::no_frames;
+}
+
 void Daemon::Parts::look_at_cameras(Stamp now) {
   cameras.clear();
   for (std::size_t c = 0; c < setup.rig.cameras.size(); ++c) cameras.push_back(capture.state(c));
@@ -196,11 +206,18 @@ void Daemon::Parts::look_at_cameras(Stamp now) {
   for (const std::string& line : report.camera_news(cameras)) log.event(line, line, now);
   if (!ready && !refusal) refusal = report.misconfiguration(cameras);
   const bool all_run = report.all_run();
-  const auto waited = std::chrono::duration<double>(now - started).count();
-  if (!ready && !refusal && (all_run || waited >= setup.config.service.startup_wait_s)) {
+  if (!ready && !refusal && (all_run || has_waited_enough(now))) {
     ready = true;
     notifier.ready(all_run ? "all cameras stream" : "ready; not all cameras stream");
   }
+}
+
+bool Daemon::Parts::has_waited_enough(Stamp now) const {
+  const bool all_tried = std::all_of(cameras.begin(), cameras.end(),
+                                     [](const auto& camera) { return camera.starts > 0; });
+  const auto waited_s = std::chrono::duration<double>(now - started).count();
+  return waited_s >= setup.config.service.startup_wait_s &&
+         (all_tried || now - started >= kFirstStart);
 }
 
 void Daemon::Parts::pass_on(const std::vector<Alert>& alerts, Stamp now) {
@@ -334,14 +351,14 @@ Status Daemon::stop(Stamp patience) {
   const Stamp deadline = monotonic_now() + patience;
   if (!p.ended.valid()) {
     p.notifier.stopping();
-    // In a thread of its own: a driver's call that never returns must not hold up the end. Recorded
-    // sets have all of the time to reach the disk.
+    // At once: what was recorded has all of the time to reach the disk.
+    p.recorder.stop();
+    // In a thread of its own: a driver's call that never returns must not hold up the end.
     std::promise<void> ended;
     p.ended = ended.get_future();
     std::thread([&p, ended = std::move(ended)]() mutable {
       p.ending = "localization";
       p.localization.stop();
-      p.recorder.stop();
       p.ending = "a camera's driver";
       p.capture.stop();
       ended.set_value_at_thread_exit();

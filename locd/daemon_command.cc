@@ -59,6 +59,15 @@ std::size_t heap_needed(const Rig& rig) {
   return kBytesPerPixel * pixels;
 }
 
+/// Ends the threads and gives back the exit code; the process, where something does not return.
+int end(Daemon& daemon, int code) {
+  const Status ended = daemon.stop(kStopPatience);
+  if (ended) return code;
+  fmt::print(stderr, "locd: {}\n", ended.error().message);
+  std::fflush(nullptr);
+  std::_Exit(code);
+}
+
 int report_failure(const Error& error) {
   fmt::print(stderr, "locd: {}\n", error.message);
   return error.exit_code();
@@ -109,15 +118,11 @@ int run_daemon(const DaemonOptions& options) {
   auto sources = make_sources(*setup);
   if (!sources) return report_failure(sources.error());
   auto daemon = std::make_unique<Daemon>(options, std::move(*setup), std::move(*sources));
-  if (auto started = daemon->start(); !started) return report_failure(started.error());
+  if (auto started = daemon->start(); !started)
+    return end(*daemon, report_failure(started.error()));
   auto monitor = open_device_monitor();
   const Status served = serve(*daemon, signals, monitor);
-  const int code = served ? 0 : report_failure(served.error());
-  const Status ended = daemon->stop(kStopPatience);
-  if (ended) return code;
-  fmt::print(stderr, "locd: {}\n", ended.error().message);
-  std::fflush(nullptr);
-  std::_Exit(code);
+  return end(*daemon, served ? 0 : report_failure(served.error()));
 }
 
 Status check_configuration(const DaemonOptions& options) {

@@ -41,6 +41,7 @@ void LocalizationThread::run() {
   while (!stopping_) {
     auto set = capture_.wait(monotonic_now() + kTurn);
     adopt_next_map();
+    if (set) begin_work();
     const bool localized = set && pacer_.admit(set->mean_stamp()) && localize(*set);
     leave_word(set.has_value(), localized);
     if (set) after_set_(*set);
@@ -50,6 +51,8 @@ void LocalizationThread::run() {
 bool LocalizationThread::localize(const FrameSetLease& set) {
   const Stamp begun = monotonic_now();
   if (begun - set.mean_stamp() > map_.time_budget) {
+    lose(set, PoseReason::overload);
+    telemetry_.publish_pose(estimate_, begun);
     const std::lock_guard lock(mutex_);
     ++counts_.late;
     return false;
@@ -58,15 +61,19 @@ bool LocalizationThread::localize(const FrameSetLease& set) {
     if (forget_motion_.exchange(false)) map_.localizer->forget_motion();
     map_.localizer->localize(set, estimate_);
   } else {
-    estimate_.lose(PoseReason::no_map);
-    estimate_.stamp = set.mean_stamp();
-    estimate_.cameras_in_set = set.cameras;
-    estimate_.max_skew = set.max_skew();
+    lose(set, PoseReason::no_map);
   }
   const Stamp done = monotonic_now();
   telemetry_.publish_pose(estimate_, done);
   pacer_.finished(done - begun);
   return true;
+}
+
+void LocalizationThread::lose(const FrameSetLease& set, PoseReason why) {
+  estimate_.lose(why);
+  estimate_.stamp = set.mean_stamp();
+  estimate_.cameras_in_set = set.cameras;
+  estimate_.max_skew = set.max_skew();
 }
 
 void LocalizationThread::adopt_next_map() {
@@ -78,12 +85,19 @@ void LocalizationThread::adopt_next_map() {
   telemetry_.set_map(map_.map_hash, map_.world_z_is_up);
 }
 
+void LocalizationThread::begin_work() {
+  const std::lock_guard lock(mutex_);
+  ++counts_.sets;
+  counts_.at_work = true;
+}
+
 void LocalizationThread::leave_word(bool took_set, bool localized) {
   const std::lock_guard lock(mutex_);
   counts_.last_turn = monotonic_now();
+  counts_.at_work = false;
+  if (took_set && !localized) counts_.passed_over = counts_.last_turn;
   counts_.divisor = pacer_.divisor();
   counts_.skipped = pacer_.skipped();
-  if (took_set) ++counts_.sets;
   if (!localized || map_.localizer == nullptr) return;
   counts_.unhealthy = map_.localizer->unhealthy_cameras();
   for (const Alert& alert : map_.localizer->alerts()) {

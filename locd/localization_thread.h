@@ -62,6 +62,8 @@ class LocalizationThread {
     std::uint64_t alerts_lost = 0;
     int divisor = 1;           ///< every divisor-th set is localized
     Stamp last_turn{0};        ///< a watchdog's food: a set done, or a wait without one
+    bool at_work = false;      ///< a set was taken and is not done
+    Stamp passed_over{0};      ///< when a set last went without a pose of its own
     CameraMask unhealthy = 0;  ///< cameras whose images can't be used
   };
   [[nodiscard]] Counts counts() const;
@@ -70,7 +72,9 @@ class LocalizationThread {
   void run();
   /// False when the set came too late.
   bool localize(const FrameSetLease& set);
+  void lose(const FrameSetLease& set, PoseReason why);
   void adopt_next_map();
+  void begin_work();
   void leave_word(bool took_set, bool localized);
 
   RigCapture& capture_;

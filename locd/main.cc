@@ -73,17 +73,17 @@ int run(int argc, char** argv) {
                "locd: --config FILE, --replay CAPTURE --map MAP or --list-cameras; see --help\n");
     return static_cast<int>(ErrorKind::usage);
   }
-  if (!replays && !check) return run_daemon(daemon);
-  return report(replays ? run_replay(replay, stop_requested, std::cout, std::cerr)
-                        : check_configuration(daemon));
+  if (check) return report(check_configuration(daemon));
+  if (!replays) return run_daemon(daemon);
+  std::signal(SIGINT, request_stop);
+  std::signal(SIGTERM, request_stop);
+  return report(run_replay(replay, stop_requested, std::cout, std::cerr));
 }
 
 }  // namespace
 }  // namespace waymark
 
 int main(int argc, char** argv) {
-  std::signal(SIGINT, waymark::request_stop);
-  std::signal(SIGTERM, waymark::request_stop);
   try {
     return waymark::run(argc, argv);
   } catch (const std::exception& error) {

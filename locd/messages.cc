@@ -31,6 +31,7 @@ static_assert(pose_t::SKEW == bit(PoseReason::skew));
 static_assert(pose_t::UNSYNCED == bit(PoseReason::unsynced));
 static_assert(pose_t::OUTLIERS == bit(PoseReason::outliers));
 static_assert(pose_t::CAMERA_SUSPECT == bit(PoseReason::camera_suspect));
+static_assert(pose_t::OVERLOAD == bit(PoseReason::overload));
 
 double microseconds(Stamp interval) { return static_cast<double>(interval.count()) * 1e-3; }
 

@@ -50,6 +50,7 @@ enum class PoseReason : std::uint32_t {
   unsynced = 1U << 11,        ///< a frame's stamp is its arrival
   outliers = 1U << 12,        ///< too many markers disagree, or too few can check one another
   camera_suspect = 1U << 13,  ///< a camera's extrinsics or place among the cameras are in doubt
+  overload = 1U << 14,        ///< lost: frames come faster than they can be localized
 };
 using ReasonBits = std::uint32_t;
 [[nodiscard]] constexpr ReasonBits bit(PoseReason reason) {

@@ -15,9 +15,7 @@ Telemetry::Telemetry(const Config::Lcm& lcm, SessionFacts session, const ClockRe
       publisher_(lcm.url, now.monotonic),
       pose_(make_pose_message(session_)),
       detections_(make_detections_message(session_)),
-      last_pose_(now.monotonic) {
-  no_frames_.lose(PoseReason::no_frames);
-}
+      last_pose_(now.monotonic) {}
 
 void Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
   const std::lock_guard lock(mutex_);
@@ -29,11 +27,12 @@ void Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
   publisher_.publish(detections_channel_, detections_, now);
 }
 
-void Telemetry::keep_alive(Stamp now) {
+void Telemetry::keep_alive(Stamp now, PoseReason why) {
   const std::lock_guard lock(mutex_);
   if (now - last_pose_ < kHeartbeat) return;
-  no_frames_.stamp = now;
-  send_pose(no_frames_, now);
+  no_pose_.lose(why);
+  no_pose_.stamp = now;
+  send_pose(no_pose_, now);
 }
 
 void Telemetry::send_pose(const PoseEstimate& estimate, Stamp now) {

@@ -26,8 +26,8 @@ class Telemetry {
 
   /// Publishes the pose of a set (and its detections, where configured); allocates nothing.
   void publish_pose(const PoseEstimate& estimate, Stamp now);
-  /// Publishes LOST, for want of frames, when the last pose is old.
-  void keep_alive(Stamp now);
+  /// Publishes LOST when the last pose is old; `why` there is none.
+  void keep_alive(Stamp now, PoseReason why);
   void publish_alert(const Alert& alert, const Rig& rig, bool several_families, Stamp now);
   /// An alert of the service itself: RELOAD, RECORDING, TIME …
   void publish_alert(const std::string& kind, const std::string& subject, const std::string& text,
@@ -69,7 +69,7 @@ class Telemetry {
   LcmPublisher publisher_;
   pose_t pose_;
   detections_t detections_;
-  PoseEstimate no_frames_;
+  PoseEstimate no_pose_;
   Stamp last_pose_;
   std::int64_t poses_ = 0;
   std::int64_t detection_messages_ = 0;

@@ -1,6 +1,7 @@
 #include "core/base/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -17,6 +18,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
+struct TemporaryFile {
+  fs::path path;
+  Descriptor file;  ///< invalid, with errno, when it can't be created
+};
+
+/// Beside `path`, hidden. Not mkstemp, whose files are their owner's alone: the process's mask,
+/// which can only be read by changing it for every thread, is applied by open itself.
+TemporaryFile create_beside(const fs::path& path) {
+  TemporaryFile temporary;
+  do {
+    std::uint64_t unique = 0;
+    if (::getrandom(&unique, sizeof unique, 0) != sizeof unique) break;
+    temporary.path = path;
+    temporary.path.replace_filename(fmt::format(".{}.{:016x}", path.filename().string(), unique));
+    temporary.file =
+        Descriptor(::open(temporary.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+  } while (!temporary.file.valid() && errno == EEXIST);
+  return temporary;
+}
+
 }  // namespace
 
 Status write_file_atomically(const fs::path& named, std::string_view content) {
@@ -29,8 +50,7 @@ Status write_file_atomically(const fs::path& named, std::string_view content) {
                 fs::is_directory(status) ? "a folder" : "no regular file");
   }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::string temporary = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
-  const Descriptor file(::mkostemp(temporary.data(), O_CLOEXEC));
+  const auto [temporary, file] = create_beside(path);
   if (!file.valid()) {
     return fail(creation_error(),
                 "{}: can't create: {}; check that the folder {} exists and is writable",
@@ -43,9 +63,6 @@ Status write_file_atomically(const fs::path& named, std::string_view content) {
                 path.string(), content.size(), why);
   };
   if (!write_all(file.get(), content)) return give_up();
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  if (::fchmod(file.get(), 0666 & ~mask) != 0) return give_up();
   if (::fsync(file.get()) != 0) return give_up();
   if (::rename(temporary.c_str(), path.c_str()) != 0) return give_up();
   const Descriptor directory(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -54,15 +71,17 @@ Status write_file_atomically(const fs::path& named, std::string_view content) {
 }
 
 Expected<std::string> read_file(const fs::path& path, std::size_t max_bytes) {
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  // Without waiting for whoever may write to what turns out to be a pipe.
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!file.valid()) {
     const bool denied = errno == EACCES || errno == EPERM;
     return fail(denied ? ErrorKind::permission : ErrorKind::no_input, "{}: can't open: {}",
                 path.string(), system_reason());
   }
   struct stat status {};
-  if (::fstat(file.get(), &status) != 0 || S_ISDIR(status.st_mode)) {
-    return fail(ErrorKind::no_input, "{}: can't read: it is a folder, not a file", path.string());
+  if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
+    return fail(ErrorKind::no_input, "{}: can't read: it is {}; name a file", path.string(),
+                S_ISDIR(status.st_mode) ? "a folder" : "no regular file");
   }
   std::string content;
   std::array<char, 65536> buffer{};

@@ -13,7 +13,7 @@ namespace waymark {
 [[nodiscard]] Status write_file_atomically(const std::filesystem::path& path,
                                            std::string_view content);
 
-/// Whole content of a regular file. Errors: no_input (absent, a folder), permission, io,
+/// Whole content of a regular file. Errors: no_input (absent, a folder, a pipe), permission, io,
 /// bad_data (larger than `max_bytes`).
 [[nodiscard]] Expected<std::string> read_file(const std::filesystem::path& path,
                                               std::size_t max_bytes = std::size_t{1} << 33);

@@ -17,6 +17,8 @@ constexpr std::size_t kVersionAt = 8;
 constexpr std::size_t kLengthAt = 12;
 constexpr std::size_t kCrcAt = 20;
 constexpr std::size_t kHeaderSize = 24;
+/// Twenty times the largest warehouse: 400,000 markers. What is larger is no map.
+constexpr std::size_t kMaxBytes = std::size_t{1} << 28;
 
 /// `size` bytes of `value`, lowest first.
 std::string little_endian(std::uint64_t value, std::size_t size) {
@@ -117,7 +119,7 @@ Status write_map_file(const std::filesystem::path& path, const MarkerMap& map) {
 }
 
 Expected<MarkerMap> read_map_file(const std::filesystem::path& path) {
-  const auto bytes = read_file(path);
+  const auto bytes = read_file(path, kMaxBytes);
   if (!bytes) return tl::make_unexpected(bytes.error());
   return decode_map(*bytes, path.string());
 }

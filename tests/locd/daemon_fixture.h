@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -89,17 +90,26 @@ class DaemonTest : public testing::Test {
                    more);
   }
 
-  void start() {
+  /// `prepare`: done to each camera before.
+  void start(const std::function<void(FakeCamera&)>& prepare = [](FakeCamera& /*camera*/) {}) {
+    make(prepare);
+    ASSERT_TRUE(daemon_->start());
+  }
+  /// One that is not started yet. `record`: recorded from the start, here.
+  void make(const std::function<void(FakeCamera&)>& prepare,
+            const std::optional<std::filesystem::path>& record = std::nullopt) {
     auto setup = load_setup(tmp_.path() / "locd.toml");
     ASSERT_TRUE(setup) << setup.error().message;
     std::vector<std::unique_ptr<FrameSource>> sources;
     for (const char* name : {"cam0", "cam1"}) {
       auto camera = std::make_unique<FakeCamera>(name, 64, 48);
+      prepare(*camera);
       cameras_.push_back(camera.get());
       sources.push_back(std::move(camera));
     }
     DaemonOptions options;
     options.config = tmp_.path() / "locd.toml";
+    options.record = record;
     options.version = "test";
     options.runtime_folder = tmp_.path();
     options.state_folder = tmp_.path();
@@ -109,7 +119,6 @@ class DaemonTest : public testing::Test {
     lcm.subscribe("WAYMARK_STATUS", &DaemonTest::take_status, this);
     lcm.subscribe("WAYMARK_ALERT", &DaemonTest::take_alert, this);
     now_ = monotonic_now();
-    ASSERT_TRUE(daemon_->start());
   }
 
   /// Turns the service loop through `time`, ten times a second, as fast as it goes.

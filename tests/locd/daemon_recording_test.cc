@@ -137,6 +137,19 @@ TEST_F(DaemonTest, TheEndDoesNotWaitForTheDisk) {
   disk.release();
 }
 
+TEST_F(DaemonTest, AStartThatTheDiskHoldsUpFailsAndCanBeEnded) {
+  DiskDouble disk;
+  disk.stall();
+  make([](test::FakeCamera& /*camera*/) {}, tmp_.path() / "capture");
+  const Status started = daemon_->start();
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().message, HasSubstr("the disk does not answer"));
+  const Status ended = daemon_->stop(milliseconds(100));
+  ASSERT_FALSE(ended);
+  EXPECT_THAT(ended.error().message, HasSubstr("the disk does not take the recording"));
+  disk.release();
+}
+
 TEST_F(DaemonTest, AReloadedBudgetHoldsForTheRecordingThatRuns) {
   start();
   const std::string answer = request("start");

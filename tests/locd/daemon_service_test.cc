@@ -28,7 +28,7 @@ TEST_F(DaemonTest, AMissingCameraNeverFailsTheStart) {
   FakeSystemd& systemd = with_systemd();
   write_config("[service]\nstartup_wait_s = 1\n");
   start();
-  turn_for(seconds(2));
+  turn_for(seconds(3));
   EXPECT_THAT(systemd.heard(), HasSubstr("READY=1"));
 }
 
@@ -59,6 +59,21 @@ TEST_F(DaemonTest, ACameraThatOnlyAnotherConfigurationMendsRefusesTheStart) {
   ASSERT_TRUE(turn_until([&] { return daemon_->refusal().has_value(); }));
   EXPECT_EQ(daemon_->refusal()->kind, ErrorKind::config);
   EXPECT_EQ(daemon_->refusal()->message, "cam1: has serial number 1, the rig 2");
+  EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
+}
+
+TEST_F(DaemonTest, AWrongCameraRefusesTheStartAlsoOfAServiceThatWaitsForNone) {
+  FakeSystemd& systemd = with_systemd();
+  write_config("[service]\nstartup_wait_s = 0\n");
+  start([](test::FakeCamera& camera) {
+    camera.fail_with("has serial number 1, the rig 2", ErrorKind::config);
+    camera.get_stuck();  // its first start takes a while
+  });
+  now_ = monotonic_now();
+  daemon_->turn(now_);
+  EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
+  for (test::FakeCamera* camera : cameras_) camera->release();
+  EXPECT_TRUE(turn_until([&] { return daemon_->refusal().has_value(); }));
   EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
 }
 

@@ -33,7 +33,9 @@ TEST_F(DaemonTest, EverySetGivesAPose) {
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(turn_until([&] { return monotonic_now() - last_given_ >= milliseconds(20); }));
     give_set();
-    const auto from_frames = [](const pose_t& p) { return p.reasons != pose_t::NO_FRAMES; };
+    const auto from_frames = [](const pose_t& p) {
+      return p.reasons != pose_t::NO_FRAMES && p.reasons != pose_t::OVERLOAD;
+    };
     ASSERT_TRUE(turn_until(
         [&] { return std::count_if(poses_.begin(), poses_.end(), from_frames) == i + 1; }));
   }
@@ -43,6 +45,28 @@ TEST_F(DaemonTest, EverySetGivesAPose) {
     EXPECT_EQ(poses_[i].map_hash, content_hash(test::small_map()));
     EXPECT_EQ(poses_[i].camera_count, 2);
   }
+}
+
+TEST_F(DaemonTest, ASetThatComesTooLateGivesAPoseThatSaysSo) {
+  write_config("[solve]\ntime_budget_ms = 5\n");
+  start();
+  const auto overloaded = [](const pose_t& p) {
+    return p.status == pose_t::LOST && p.reasons == pose_t::OVERLOAD;
+  };
+  ASSERT_TRUE(turn_until([&] {
+    const Stamp now = monotonic_now();
+    if (now - last_given_ >= milliseconds(20)) {
+      last_given_ = now;
+      for (test::FakeCamera* camera : cameras_) camera->give(now - milliseconds(6));
+    }
+    return std::count_if(poses_.begin(), poses_.end(), overloaded) > 10;
+  }));
+  ASSERT_TRUE(turn_until([&] { return !statuses_.empty(); }));
+  const status_t& status = statuses_.back();
+  const auto reason =
+      std::find(status.drop_reason.begin(), status.drop_reason.end(), "over_budget");
+  ASSERT_NE(reason, status.drop_reason.end());
+  EXPECT_GT(status.drops[static_cast<std::size_t>(reason - status.drop_reason.begin())], 0);
 }
 
 TEST_F(DaemonTest, StatusComesOnceASecondAndSaysHowTheCamerasAre) {

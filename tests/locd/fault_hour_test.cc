@@ -89,7 +89,7 @@ class FaultHour : public testing::Test {
     }
     const Stamp late = now_ + milliseconds(30);  // beyond the deadline: partial sets go, too
     while (auto set = synchronizer_.take(late)) localize(*set, place);
-    telemetry_.keep_alive(now_ + kPeriod - milliseconds(1));
+    telemetry_.keep_alive(now_ + kPeriod - milliseconds(1), PoseReason::no_frames);
     look_at_cameras();
     if (auto summary = limiter_.summary(now_)) ++log_lines_;
     while (telemetry_.lcm()->handleTimeout(0) > 0) continue;

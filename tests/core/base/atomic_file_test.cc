@@ -2,12 +2,25 @@
 
 #include <gmock/gmock.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 
 #include "tests/support/temporary_folder.h"
+
+namespace {
+std::atomic<int> umask_calls{0};
+}  // namespace
+
+/// The whole executable's, counted.
+extern "C" mode_t umask(mode_t mask) noexcept {
+  ++umask_calls;
+  return static_cast<mode_t>(::syscall(SYS_umask, mask));
+}
 
 namespace waymark {
 namespace {
@@ -78,6 +91,23 @@ TEST(AtomicFile, FollowsTheUmask) {
   ::umask(mask);
   const auto mode = static_cast<unsigned>(fs::status(folder.path() / "map").permissions());
   EXPECT_EQ(mode, 0666U & ~mask);
+}
+
+TEST(AtomicFile, NeverChangesTheUmaskWhichIsAllThreads) {
+  const TemporaryFolder folder;
+  const int before = umask_calls;
+  ASSERT_TRUE(write_file_atomically(folder.path() / "map", "x"));
+  EXPECT_EQ(umask_calls, before);
+}
+
+TEST(ReadFile, APipeIsNotWaitedFor) {
+  const TemporaryFolder folder;
+  const fs::path pipe = folder.path() / "pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  const auto content = read_file(pipe);
+  ASSERT_FALSE(content);
+  EXPECT_EQ(content.error().kind, ErrorKind::no_input);
+  EXPECT_THAT(content.error().message, HasSubstr("no regular file"));
 }
 
 TEST(ReadFile, SaysWhyItCant) {
