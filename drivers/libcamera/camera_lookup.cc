@@ -22,7 +22,9 @@ Expected<std::shared_ptr<libcamera::CameraManager>> shared_manager() {
   static std::weak_ptr<libcamera::CameraManager> current;
   const std::lock_guard lock(mutex);
   if (auto running = current.lock()) return running;
-  libcamera::logSetLevel("*", "WARN");
+  // Its own log knows no bounds. Levels would need the name of every category; our errors say what
+  // matters.
+  libcamera::logSetTarget(libcamera::LoggingTargetNone);
   auto manager = std::make_shared<libcamera::CameraManager>();
   if (const int failed = manager->start(); failed < 0) {
     return fail(ErrorKind::unavailable, "libcamera can't start: {}", reason(failed));

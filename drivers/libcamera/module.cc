@@ -113,9 +113,11 @@ class LibcameraSource final : public FrameSource {
     if (camera && *camera == nullptr) {
       std::vector<std::string> ids;
       for (const auto& other : manager_->cameras()) ids.push_back(other->id());
-      return fail(ErrorKind::unavailable, "{}: libcamera has no such camera; it has: {}",
-                  options_.id.empty() ? options_.camera.device.text() : options_.id,
-                  ids.empty() ? std::string("none") : fmt::format("{}", fmt::join(ids, ", ")));
+      return fail(
+          ErrorKind::unavailable,
+          "{}: libcamera has no such camera; it has: {}; `cam --list` shows what hinders it",
+          options_.id.empty() ? options_.camera.device.text() : options_.id,
+          ids.empty() ? std::string("none") : fmt::format("{}", fmt::join(ids, ", ")));
     }
     return camera;
   }

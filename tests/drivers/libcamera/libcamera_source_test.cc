@@ -57,9 +57,20 @@ TEST(LibcameraSource, ACameraThatIsNotThereIsNamed) {
   const Error by_id = start_error(options);
   EXPECT_EQ(by_id.kind, ErrorKind::unavailable) << by_id.message;
   EXPECT_THAT(by_id.message, HasSubstr("/base/soc/no/such/camera: libcamera has no such camera"));
+  EXPECT_THAT(by_id.message, HasSubstr("`cam --list` shows what hinders it"));
   options = options_of_cam0();
   options.camera.device.serial = "0815";
   EXPECT_THAT(start_error(options).message, HasSubstr("serial=0815: no such camera is plugged in"));
+}
+
+TEST(LibcameraSource, WhatLibcameraSaysByItselfStaysOutOfTheLog) {
+  LibcameraOptions options = options_of_cam0();
+  options.id = "imx219";
+  ::testing::internal::CaptureStderr();
+  const Error absent = start_error(options);
+  const std::string written = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(absent.kind, ErrorKind::unavailable);
+  EXPECT_EQ(written, "");
 }
 
 TEST(LibcameraSource, AnotherSerialNumberThanTheRigsIsRefused) {
