@@ -14,6 +14,12 @@ constexpr std::string_view kForms =
     "name it by a link (/dev/v4l/by-id/…), \"serial=…\", \"bus=…\" or \"bus=… serial=…\"; "
     "locd --list-cameras prints them";
 
+/// A bus that is not known yet is none of USB's.
+bool may_be_at(const std::string& bus, const VideoDevice& device) {
+  if (bus.empty()) return true;
+  return device.bus.empty() ? !bus.starts_with("usb-") : bus == device.bus;
+}
+
 bool is_number(std::string_view path) {
   constexpr std::string_view kNumbered = "/dev/video";
   return path.starts_with(kNumbered) && std::all_of(path.begin() + kNumbered.size(), path.end(),
@@ -35,7 +41,7 @@ std::string names_of(const std::vector<VideoDevice>& devices) {
 bool describe_camera(VideoNode& node, VideoDevice& device) {
   const auto can = capture_capability(node);
   if (!can || !can->streams()) return false;
-  device.bus = can->bus;
+  if (device.bus.empty()) device.bus = can->bus;
   device.card = can->card;
   return true;
 }
@@ -65,7 +71,10 @@ std::vector<VideoDevice> find_cameras(VideoSystem& system, const DeviceIdentity&
 }
 
 bool may_be(const DeviceIdentity& wanted, const VideoDevice& device) {
-  if (wanted.path.empty()) return wanted.serial.empty() || wanted.serial == device.serial;
+  if (wanted.path.empty()) {
+    return (wanted.serial.empty() || wanted.serial == device.serial) &&
+           may_be_at(wanted.bus, device);
+  }
   if (std::find(device.links.begin(), device.links.end(), wanted.path) != device.links.end()) {
     return true;
   }

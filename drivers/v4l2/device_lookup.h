@@ -24,7 +24,8 @@ namespace waymark {
 [[nodiscard]] std::vector<VideoDevice> find_cameras(VideoSystem& system,
                                                     const DeviceIdentity& wanted = {});
 
-/// Whether a device may be the wanted one, by all that is known without opening it: not its bus.
+/// Whether a device may be the wanted one, by all that is known without opening it: not its bus
+/// unless that is USB.
 [[nodiscard]] bool may_be(const DeviceIdentity& wanted, const VideoDevice& device);
 
 /// The one device of find_cameras' that fits, among those that may be opened. Errors: permission

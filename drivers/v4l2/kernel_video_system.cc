@@ -96,15 +96,38 @@ class KernelVideoNode final : public VideoNode {
   Descriptor file_;
 };
 
-/// The serial number of the USB device that a video node belongs to; empty without one.
-std::string serial_of(sd_device* device) {
+/// The USB device that a video node belongs to; null without one.
+sd_device* usb_device_of(sd_device* device) {
   sd_device* usb = nullptr;
-  const char* serial = nullptr;
-  if (::sd_device_get_parent_with_subsystem_devtype(device, "usb", "usb_device", &usb) < 0 ||
-      ::sd_device_get_sysattr_value(usb, "serial", &serial) < 0) {
-    return {};
+  ::sd_device_get_parent_with_subsystem_devtype(device, "usb", "usb_device", &usb);
+  return usb;
+}
+
+/// Empty where a USB device has none.
+std::string attribute_of(sd_device* usb, const char* name) {
+  const char* value = nullptr;
+  const bool has = usb != nullptr && ::sd_device_get_sysattr_value(usb, name, &value) >= 0;
+  return has ? std::string(trimmed(value)) : "";
+}
+
+/// What sits above a USB device and the hubs in between.
+sd_device* controller_of(sd_device* usb) {
+  const char* subsystem = "usb";
+  while (usb != nullptr && std::string_view(subsystem) == "usb") {
+    sd_device* above = nullptr;
+    subsystem = "";
+    if (::sd_device_get_parent(usb, &above) >= 0) ::sd_device_get_subsystem(above, &subsystem);
+    usb = above;
   }
-  return std::string(trimmed(serial));
+  return usb;
+}
+
+/// The port that a USB device is in, as drivers say it (the kernel's usb_make_path), but without
+/// opening the device.
+std::string port_of(sd_device* usb) {
+  const char* controller = nullptr;
+  if (usb == nullptr || ::sd_device_get_sysname(controller_of(usb), &controller) < 0) return {};
+  return fmt::format("usb-{}-{}", controller, attribute_of(usb, "devpath"));
 }
 
 std::vector<std::string> links_of(sd_device* device) {
@@ -129,7 +152,8 @@ class KernelVideoSystem final : public VideoSystem {
          device = ::sd_device_enumerator_get_device_next(all)) {
       const char* name = nullptr;
       if (::sd_device_get_devname(device, &name) < 0) continue;
-      devices.push_back({name, links_of(device), "", serial_of(device), ""});
+      sd_device* const usb = usb_device_of(device);
+      devices.push_back({name, links_of(device), port_of(usb), attribute_of(usb, "serial"), ""});
     }
     ::sd_device_enumerator_unref(all);
     std::sort(devices.begin(), devices.end(), [](const VideoDevice& a, const VideoDevice& b) {

@@ -48,7 +48,8 @@ class VideoNode {
 struct VideoDevice {
   std::string node;                ///< /dev/video2: a number, which changes
   std::vector<std::string> links;  ///< stable names: /dev/v4l/by-id/…, by-path, /dev/waymark/…
-  std::string bus;     ///< as the driver says, once opened: usb-0000:00:14.0-2, platform:vivid-000
+  std::string bus;     ///< of USB the port, usb-0000:00:14.0-2; of others what the driver says once
+                       ///< opened, platform:vivid-000
   std::string serial;  ///< of its USB device; empty where it states none
   std::string card;    ///< what the maker calls it; once opened
   /// False: we may not open it, so its bus, and whether it is a camera at all, is not known.

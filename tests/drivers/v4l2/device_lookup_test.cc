@@ -61,15 +61,25 @@ TEST(FindDevice, NoneIsUnavailableAndSaysHowToLook) {
   }
 }
 
-TEST(MayBe, RulesOutByLinkAndSerialNumberWhatNeedNotBeOpened) {
-  const VideoDevice not_opened{"/dev/video0", {"/dev/v4l/by-id/usb-left"}, "", "left", ""};
-  EXPECT_TRUE(may_be({}, not_opened));
-  EXPECT_TRUE(may_be({"", "left", ""}, not_opened));
-  EXPECT_TRUE(may_be({"", "", "usb-1"}, not_opened));
-  EXPECT_TRUE(may_be({"/dev/v4l/by-id/usb-left", "", ""}, not_opened));
-  EXPECT_FALSE(may_be({"", "right", ""}, not_opened));
-  EXPECT_FALSE(may_be({"", "right", "usb-1"}, not_opened));
-  EXPECT_FALSE(may_be({"/dev/v4l/by-id/usb-right", "", ""}, not_opened));
+TEST(MayBe, RulesOutByLinkSerialNumberAndPortWhatNeedNotBeOpened) {
+  const VideoDevice usb{"/dev/video0", {"/dev/v4l/by-id/usb-left"}, "usb-1", "left", ""};
+  EXPECT_TRUE(may_be({}, usb));
+  EXPECT_TRUE(may_be({"", "left", ""}, usb));
+  EXPECT_TRUE(may_be({"", "", "usb-1"}, usb));
+  EXPECT_TRUE(may_be({"", "left", "usb-1"}, usb));
+  EXPECT_TRUE(may_be({"/dev/v4l/by-id/usb-left", "", ""}, usb));
+  EXPECT_FALSE(may_be({"", "right", ""}, usb));
+  EXPECT_FALSE(may_be({"", "right", "usb-1"}, usb));
+  EXPECT_FALSE(may_be({"", "left", "usb-2"}, usb));
+  EXPECT_FALSE(may_be({"", "", "usb-2"}, usb));
+  EXPECT_FALSE(may_be({"", "", "platform:vivid-000"}, usb));
+  EXPECT_FALSE(may_be({"/dev/v4l/by-id/usb-right", "", ""}, usb));
+}
+
+TEST(MayBe, OnlyTheOpenedDeviceTellsABusThatIsNotUsb) {
+  const VideoDevice not_usb{"/dev/video0", {}, "", "", ""};
+  EXPECT_TRUE(may_be({"", "", "platform:vivid-000"}, not_usb));
+  EXPECT_FALSE(may_be({"", "", "usb-1"}, not_usb));
 }
 
 TEST(FindDevice, TwoThatCantBeToldApartAreRefused) {
@@ -88,10 +98,10 @@ std::vector<VideoDevice> nodes_of_one_camera(bool image_permitted, bool metadata
   if (image_permitted) {
     nodes.push_back({"/dev/video0", links, "usb-1", "left", "Grey"});
   } else {
-    nodes.push_back({"/dev/video0", links, "", "left", "", false});
+    nodes.push_back({"/dev/video0", links, "usb-1", "left", "", false});
   }
   // Once it can be opened it is seen to be no camera, and not listed.
-  if (!metadata_permitted) nodes.push_back({"/dev/video1", {}, "", "left", "", false});
+  if (!metadata_permitted) nodes.push_back({"/dev/video1", {}, "usb-1", "left", "", false});
   return nodes;
 }
 
@@ -132,6 +142,16 @@ TEST(FindCameras, AreNodesThatCaptureAndThoseThatMayNotBeOpened) {
   EXPECT_EQ(name_of(found[1]), "/dev/video1");
   system.cannot_open = Error{ErrorKind::unavailable, "gone meanwhile"};
   EXPECT_TRUE(find_cameras(system).empty());
+}
+
+TEST(FindCameras, ADeviceInAnotherPortIsNotOpenedForItMayHang) {
+  test::FakeVideoSystem system;
+  system.cameras.push_back({});
+  system.cameras[1].identity = {"/dev/video2", {}, "usb-2", "4712", "Fake"};
+  const auto found = find_cameras(system, {"", "", "usb-2"});
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(name_of(found[0]), "/dev/video2 (Fake, usb-2, serial 4712)");
+  EXPECT_EQ(system.cameras[0].opens, 0);
 }
 
 TEST(FindDevice, LinksThatOthersMadeLeadThereToo) {

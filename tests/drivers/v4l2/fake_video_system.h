@@ -64,13 +64,17 @@ struct FakeDevice {
   std::vector<std::shared_ptr<std::vector<std::uint8_t>>> memory;
   bool streams = false;
   int opened = 0;  ///< nodes open now
+  int opens = 0;   ///< ever
   int starts = 0;
   std::vector<std::pair<std::uint32_t, int>> written;  ///< controls, in order
 };
 
 class FakeVideoNode final : public VideoNode {
  public:
-  explicit FakeVideoNode(FakeDevice& device) : device_(device) { ++device_.opened; }
+  explicit FakeVideoNode(FakeDevice& device) : device_(device) {
+    ++device_.opened;
+    ++device_.opens;
+  }
   FakeVideoNode(const FakeVideoNode&) = delete;
   FakeVideoNode& operator=(const FakeVideoNode&) = delete;
   ~FakeVideoNode() override { --device_.opened; }
@@ -290,7 +294,9 @@ class FakeVideoSystem final : public VideoSystem {
     std::vector<VideoDevice> all;
     for (const FakeDevice& camera : cameras) {
       const VideoDevice& known = camera.identity;
-      if (!camera.gone) all.push_back({known.node, known.links, "", known.serial, ""});
+      // Of others than USB's only the opened device tells it.
+      const std::string bus = known.bus.starts_with("usb-") ? known.bus : "";
+      if (!camera.gone) all.push_back({known.node, known.links, bus, known.serial, ""});
     }
     return all;
   }
