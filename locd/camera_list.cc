@@ -3,6 +3,7 @@
 #include <fmt/ostream.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
 
 #include "drivers/v4l2/capture_format.h"
@@ -11,13 +12,17 @@
 namespace waymark {
 namespace {
 
+/// Not an int: of USB cameras both sides come as 16 bits.
+std::int64_t area_px(const OfferedFormat& format) {
+  return std::int64_t{format.width_px} * format.height_px;
+}
+
 /// The format to suggest: the largest image, in the best format that it comes in; null: none that
 /// is understood.
 const OfferedFormat* best_of(const std::vector<OfferedFormat>& formats) {
   const auto best =
-      std::max_element(formats.begin(), formats.end(), [](const auto& a, const auto& b) {
-        return a.width_px * a.height_px < b.width_px * b.height_px;
-      });
+      std::max_element(formats.begin(), formats.end(),
+                       [](const auto& a, const auto& b) { return area_px(a) < area_px(b); });
   return best == formats.end() ? nullptr : &*best;
 }
 

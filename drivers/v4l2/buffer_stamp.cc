@@ -3,6 +3,12 @@
 #include <linux/videodev2.h>
 
 namespace waymark {
+namespace {
+
+/// 126 years, either way; a Stamp holds 292 (1e9–9e9).
+constexpr std::int64_t kMost_s = 4'000'000'000;
+
+}  // namespace
 
 StampMeaning stamp_meaning(std::uint32_t buffer_flags) {
   // Copied stamps are those of whoever fed the device.
@@ -17,6 +23,13 @@ StampMeaning stamp_meaning(std::uint32_t buffer_flags) {
     default:
       return StampMeaning::unknown;
   }
+}
+
+Stamp buffer_stamp(const timeval& timestamp) {
+  const bool is_time = timestamp.tv_sec >= -kMost_s && timestamp.tv_sec <= kMost_s &&
+                       timestamp.tv_usec >= 0 && timestamp.tv_usec < 1'000'000;
+  if (!is_time) return Stamp{0};
+  return std::chrono::seconds(timestamp.tv_sec) + std::chrono::microseconds(timestamp.tv_usec);
 }
 
 }  // namespace waymark

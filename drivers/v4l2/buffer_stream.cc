@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/base/system_call.h"
+#include "drivers/v4l2/buffer_stamp.h"
 #include "drivers/v4l2/node_error.h"
 
 namespace waymark {
@@ -118,8 +119,7 @@ Expected<std::optional<BufferStream::Filled>> BufferStream::take() {
   filled.bytes = {mapping.bytes.get() + begin, end - begin};
   filled.flags = query.buffer.flags;
   filled.sequence = query.buffer.sequence;
-  filled.stamp = std::chrono::seconds(query.buffer.timestamp.tv_sec) +
-                 std::chrono::microseconds(query.buffer.timestamp.tv_usec);
+  filled.stamp = buffer_stamp(query.buffer.timestamp);
   return filled;
 }
 

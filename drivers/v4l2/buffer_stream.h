@@ -33,7 +33,7 @@ class BufferStream {
     std::span<const std::uint8_t> bytes;  ///< as many as the driver says it has filled
     std::uint32_t flags = 0;              ///< V4L2_BUF_FLAG_…
     std::uint32_t sequence = 0;           ///< the device's count of frames
-    Stamp stamp{0};                       ///< by the clock that the flags tell
+    Stamp stamp{0};                       ///< by the clock that the flags tell; see buffer_stamp
   };
   /// nullopt: none is filled. Errors: those of node_error.
   [[nodiscard]] Expected<std::optional<Filled>> take();

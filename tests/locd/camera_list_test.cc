@@ -54,6 +54,15 @@ TEST(ListCameras, SuggestsTheFormatOfTheLargestImageAndNoBlockWithoutOne) {
   EXPECT_EQ(config->cameras[1].format, "GREY");
 }
 
+TEST(ListCameras, AnImageOfTheMostPixelsThatUsbCanStateIsTheLargest) {
+  test::FakeVideoSystem system;
+  system.cameras[0].formats = {{V4L2_PIX_FMT_GREY, {{64, 48}}},
+                               {V4L2_PIX_FMT_YUYV, {{65535, 65535}}}};
+  std::ostringstream out;
+  ASSERT_TRUE(list_cameras(system, {}, out));
+  EXPECT_THAT(out.str(), HasSubstr("format = \"YUYV\"  # 65535×65535"));
+}
+
 TEST(ListCameras, LibcamerasAreListedWhereV4l2HasNoBlock) {
   test::FakeVideoSystem system;
   system.cameras.push_back({});
