@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <future>
+#include <thread>
 
 #include "core/map/quarantine.h"
 #include "drivers/monotonic_clock.h"
@@ -110,6 +111,7 @@ struct Daemon::Parts {
   bool ready = false;
   std::atomic<const char*> ending{""};  ///< what is just told to end
   std::future<void> ended;              ///< of the threads, once they were told to
+  std::thread ender;                    ///< what tells them; joined once `ended` is there
 
   [[nodiscard]] PoseReason why_without_pose(Stamp now) const;
   [[nodiscard]] bool has_waited_enough(Stamp now) const;
@@ -356,13 +358,13 @@ Status Daemon::stop(Stamp patience) {
     // In a thread of its own: a driver's call that never returns must not hold up the end.
     std::promise<void> ended;
     p.ended = ended.get_future();
-    std::thread([&p, ended = std::move(ended)]() mutable {
+    p.ender = std::thread([&p, ended = std::move(ended)]() mutable {
       p.ending = "localization";
       p.localization.stop();
       p.ending = "a camera's driver";
       p.capture.stop();
-      ended.set_value_at_thread_exit();
-    }).detach();
+      ended.set_value();
+    });
   }
   const auto left = [&] { return deadline - monotonic_now(); };
   if (p.ended.wait_for(left()) != std::future_status::ready) {
@@ -373,6 +375,7 @@ Status Daemon::stop(Stamp patience) {
                 "neither {} nor the disk with the recording returns; ending without",
                 p.ending.load());
   }
+  if (p.ender.joinable()) p.ender.join();
   if (!p.recorder.settle(deadline)) {
     return fail(ErrorKind::unavailable, "the disk does not take the recording; ending without");
   }

@@ -4,9 +4,11 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <numeric>
 #include <string>
 #include <vector>
 
+#include "drivers/buffer_lender.h"
 #include "drivers/frame_source.h"
 #include "drivers/monotonic_clock.h"
 #include "drivers/turn_stamp.h"
@@ -15,10 +17,13 @@ namespace waymark::test {
 
 /// A camera that gives the frames a test hands it, fails when told to, and can be stuck in a call
 /// as a bad driver is.
-class FakeCamera final : public FrameSource, public FrameLender {
+class FakeCamera final : public FrameSource {
  public:
   FakeCamera(std::string name, int width_px, int height_px)
-      : name_(std::move(name)), images_(kImages, GrayImage(width_px, height_px, 90)) {}
+      : name_(std::move(name)), images_(kImages, GrayImage(width_px, height_px, 90)) {
+    lender_.begin(nullptr, kImages);
+    std::iota(free_.begin(), free_.end(), 0U);
+  }
 
   void give(Stamp stamp) {
     const std::lock_guard lock(mutex_);
@@ -49,7 +54,6 @@ class FakeCamera final : public FrameSource, public FrameLender {
   void take_long(Stamp time) { delay_ = time; }
   /// Whether a call waits for release().
   [[nodiscard]] bool is_stuck() const { return held_; }
-  [[nodiscard]] int lent() const { return lent_; }
   [[nodiscard]] std::size_t starts() const { return started().size(); }
   /// When start was called.
   [[nodiscard]] std::vector<Stamp> started() const {
@@ -79,13 +83,19 @@ class FakeCamera final : public FrameSource, public FrameLender {
     info.arrival = monotonic_now() - delay_;
     info.sequence = sequence_++;
     due_.pop_front();
-    ++lent_;
-    GrayImage& image = images_[info.sequence % kImages];
+    while (const auto returned = lender_.take_returned()) free_.push_back(*returned);
+    if (free_.empty()) {
+      ++lost_;
+      return std::nullopt;
+    }
+    const std::uint32_t index = free_.back();
+    free_.pop_back();
+    GrayImage& image = images_[index];
     // No two images are alike, as of a real sensor.
     for (std::size_t i = 0; i < image.pixels.size(); ++i) {
       image.pixels[i] = static_cast<std::uint8_t>(60 + (7 * i + 13 * info.sequence) % 101);
     }
-    return Frame(info, image.view(), nullptr, this, 0);
+    return Frame(info, image.view(), nullptr, &lender_, *lender_.lend(index));
   }
   [[nodiscard]] Expected<DeviceReport> inspect() override { return DeviceReport{name_, {}}; }
   void stop() override {
@@ -96,7 +106,8 @@ class FakeCamera final : public FrameSource, public FrameLender {
   void close() override { closed_ = true; }
   [[nodiscard]] Stamp last_turn() const override { return turns_.last(); }
   [[nodiscard]] std::string describe() const override { return "64×48, fake"; }
-  void take_back(std::uint32_t /*slot*/) noexcept override { --lent_; }
+  /// Frames that were due while all images were lent.
+  [[nodiscard]] std::uint64_t lost() const override { return lost_; }
 
  private:
   void stay_stuck() {
@@ -105,10 +116,13 @@ class FakeCamera final : public FrameSource, public FrameLender {
     held_ = false;
   }
 
-  static constexpr std::size_t kImages = 8;  ///< more than are ever lent at a time
+  static constexpr std::size_t kImages = 8;
 
   std::string name_;
   std::vector<GrayImage> images_;
+  BufferLender lender_;
+  std::vector<std::uint32_t> free_ = std::vector<std::uint32_t>(kImages);  ///< indices of images
+  std::uint64_t lost_ = 0;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Stamp> due_;
@@ -120,7 +134,6 @@ class FakeCamera final : public FrameSource, public FrameLender {
   std::uint64_t sequence_ = 0;
   Stamp delay_{0};  ///< set before frames are given
   TurnStamp turns_;
-  std::atomic<int> lent_{0};
   std::atomic<bool> closed_{false};
   std::atomic<bool> stuck_{false};
   std::atomic<bool> held_{false};
