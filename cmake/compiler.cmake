@@ -19,13 +19,18 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
   target_compile_definitions(waymark_warnings INTERFACE EIGEN_NO_DEBUG)
 endif()
 
-set(WAYMARK_SANITIZE "" CACHE STRING "address, undefined, thread, or empty")
+set(WAYMARK_SANITIZE "" CACHE STRING "address, undefined, thread, several with commas, or empty")
 if(WAYMARK_SANITIZE)
   add_compile_options(-fsanitize=${WAYMARK_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${WAYMARK_SANITIZE})
-  if(WAYMARK_SANITIZE STREQUAL "undefined")
+  if(WAYMARK_SANITIZE MATCHES "undefined")
     # Without this UBSan prints and exits 0.
     add_compile_options(-fno-sanitize-recover=all)
     add_link_options(-fno-sanitize-recover=all)
   endif()
+  # ctest reads it in, and every test inherits it, whatever programs it starts.
+  configure_file(${PROJECT_SOURCE_DIR}/cmake/sanitizer_options.cmake.in
+                 ${PROJECT_BINARY_DIR}/sanitizer_options.cmake @ONLY)
+  set_property(DIRECTORY ${PROJECT_SOURCE_DIR}
+               APPEND PROPERTY TEST_INCLUDE_FILES ${PROJECT_BINARY_DIR}/sanitizer_options.cmake)
 endif()

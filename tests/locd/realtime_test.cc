@@ -13,6 +13,13 @@
 namespace waymark {
 namespace {
 
+/// AddressSanitizer and ThreadSanitizer bring a heap of their own and let no memory be locked.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kHeapOfASanitizer = true;
+#else
+constexpr bool kHeapOfASanitizer = false;
+#endif
+
 /// Gives up, in a process of its own, whatever would permit real time and locked memory.
 void give_up_rights() {
   const rlimit none{0, 0};
@@ -32,6 +39,7 @@ TEST(RealtimeDeathTest, WhatTheSystemDoesNotPermitIsSaidWithWhatToInstall) {
 }
 
 TEST(RealtimeDeathTest, MemoryThatMayNotBeLockedIsSaidWithWhatToSet) {
+  if (kHeapOfASanitizer) GTEST_SKIP() << "not with the heap of a sanitizer";
   EXPECT_EXIT((give_up_rights(), end_with(lock_memory())), testing::ExitedWithCode(78),
               "lock_memory = true.*LimitMEMLOCK=infinity");
 }
@@ -57,6 +65,7 @@ long kept_kb() {
 }
 
 TEST(RealtimeDeathTest, TheHeapIsKeptWhenAsked) {
+  if (kHeapOfASanitizer) GTEST_SKIP() << "not with the heap of a sanitizer";
   constexpr long kHalf_kb = 32 * 1024;
   EXPECT_EXIT(::_exit(kept_kb() < kHalf_kb ? 0 : 1), testing::ExitedWithCode(0), "");
   EXPECT_EXIT((keep_heap(0), ::_exit(kept_kb() > kHalf_kb ? 0 : 1)), testing::ExitedWithCode(0),
@@ -64,6 +73,7 @@ TEST(RealtimeDeathTest, TheHeapIsKeptWhenAsked) {
 }
 
 TEST(RealtimeDeathTest, TheHeapHasItsReserveAtOnce) {
+  if (kHeapOfASanitizer) GTEST_SKIP() << "not with the heap of a sanitizer";
   constexpr std::size_t kReserve = std::size_t{64} << 20;
   const auto grows_kb = [] {
     const long before = resident_kb();
