@@ -23,6 +23,8 @@ set(WAYMARK_SANITIZE "" CACHE STRING "address, undefined, thread, several with c
 if(WAYMARK_SANITIZE)
   add_compile_options(-fsanitize=${WAYMARK_SANITIZE} -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${WAYMARK_SANITIZE})
+  # A sanitizer's own dlopen looks for modules along the program's RPATH, but not its RUNPATH.
+  add_link_options(LINKER:--disable-new-dtags)
   if(WAYMARK_SANITIZE MATCHES "undefined")
     # Without this UBSan prints and exits 0.
     add_compile_options(-fno-sanitize-recover=all)

@@ -72,7 +72,7 @@ TEST_F(DaemonTest, ASetThatComesTooLateGivesAPoseThatSaysSo) {
 TEST_F(DaemonTest, StatusComesOnceASecondAndSaysHowTheCamerasAre) {
   start();
   give_set();
-  ASSERT_TRUE(turn_until([&] { return !statuses_.empty(); }));
+  ASSERT_TRUE(turn_until([&] { return !statuses_.empty() && statuses_.back().sets == 1; }));
   statuses_.clear();
   turn_for(seconds(5));
   EXPECT_EQ(statuses_.size(), 5U);
