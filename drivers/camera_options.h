@@ -16,6 +16,9 @@ struct CaptureRequest {
   double fps = 0;                       ///< 1/s; 0: what the device does
 };
 
+/// Two frame rates that differ by less are the same, for devices round periods (0.01–2 %).
+inline constexpr double kSameRate = 0.01;
+
 /// Which camera is meant: by a stable name, or by serial number and place on the bus. Never by a
 /// number: those change with the order in which cameras are plugged in.
 struct DeviceIdentity {

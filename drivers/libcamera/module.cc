@@ -11,6 +11,7 @@
 #include "drivers/libcamera/libcamera_source.h"
 #include "drivers/libcamera/mapped_frame_buffer.h"
 #include "drivers/libcamera/request_queue.h"
+#include "drivers/libcamera/settings_check.h"
 #include "drivers/libcamera/stamp_clock.h"
 #include "drivers/mid_exposure.h"
 #include "drivers/stall_watch.h"
@@ -201,7 +202,8 @@ class LibcameraSource final : public FrameSource {
     camera_->disconnected.connect(this, [this] { queue_.disconnect(); });
     if (auto started = done("can't stream", camera_->start(&*controls)); !started) return started;
     streams_ = true;
-    looked_ = false;
+    settled_ = false;
+    settings_.begin();
     found_ = {};
     frames_.begin(layout_, memory_, requests_.size());
     stall_.begin(system_->now(), options_.camera.request.fps);
@@ -249,9 +251,11 @@ class LibcameraSource final : public FrameSource {
     }
     const bool damaged =
         about.status == libcamera::FrameMetadata::FrameError || about.planes().empty();
-    if (!damaged && !looked_) {
-      if (auto seen = look_at_first(request); !seen) return tl::make_unexpected(seen.error());
-      looked_ = true;
+    if (!damaged && !settled_) {
+      const auto settled = is_as_configured(request);
+      if (!settled) return tl::make_unexpected(settled.error());
+      settled_ = *settled;
+      if (!settled_) return passed_over(request);
     }
     const auto index = static_cast<std::uint32_t>(request.cookie());
     const FrameInfo info = info_of(request, about);
@@ -271,21 +275,29 @@ class LibcameraSource final : public FrameSource {
   }
 
   /// What only a stream that runs shows: whether the image is whole, and how the camera took what
-  /// was set with the first request. libcamera 0.0.3 tells nothing of USB cameras' settings; the
-  /// device does.
-  [[nodiscard]] Status look_at_first(libcamera::Request& request) {
-    if (auto whole = check_crop(camera_->id(), request.metadata(), camera_->properties()); !whole) {
-      return whole;
+  /// was set; false: not yet. libcamera 0.0.3 tells nothing of USB cameras' settings; the device
+  /// does.
+  [[nodiscard]] Expected<bool> is_as_configured(libcamera::Request& request) {
+    const libcamera::ControlList& metadata = request.metadata();
+    if (auto whole = check_crop(camera_->id(), metadata, camera_->properties()); !whole) {
+      return tl::make_unexpected(whole.error());
     }
-    if (node_.empty() || request.metadata().contains(libcamera::controls::ExposureTime.id())) {
-      return {};
-    }
+    const auto taken = settings_.look(metadata, options_.camera);
+    if (!taken || !*taken) return taken;
+    if (node_.empty() || metadata.contains(libcamera::controls::ExposureTime.id())) return true;
     auto node = system_->open(node_);
     if (!node) return tl::make_unexpected(node.error());
     auto found = read_controls(**node, options_.camera.controls);
     if (!found) return tl::make_unexpected(found.error());
     found_ = std::move(*found);
-    return {};
+    return true;
+  }
+
+  /// A frame from before the settings took effect: nobody gets it, and it is not lost either.
+  [[nodiscard]] Expected<std::optional<Frame>> passed_over(libcamera::Request& request) {
+    stall_.frame(system_->now());
+    if (auto given = recycle(request); !given) return tl::make_unexpected(given.error());
+    return std::nullopt;
   }
 
   [[nodiscard]] FrameInfo info_of(libcamera::Request& request,
@@ -341,7 +353,8 @@ class LibcameraSource final : public FrameSource {
   Stamp exposure_{0};      ///< of the last frame; 0: not known
   StampMeaning meaning_ = StampMeaning::unknown;
   bool streams_ = false;
-  bool looked_ = false;  ///< at the running stream's first whole frame
+  SettingsCheck settings_;
+  bool settled_ = false;  ///< the running stream's frames are as configured
 };
 
 }  // namespace

@@ -12,8 +12,6 @@
 namespace waymark {
 namespace {
 
-/// Two frame rates that differ by less are the same, for devices round periods (0.01–2 %).
-constexpr double kSameRate = 0.01;
 /// Broken drivers could list for ever.
 constexpr std::uint32_t kMaxListed = 64;
 
