@@ -282,7 +282,7 @@ class LibcameraSource final : public FrameSource {
     if (auto whole = check_crop(camera_->id(), metadata, camera_->properties()); !whole) {
       return tl::make_unexpected(whole.error());
     }
-    const auto taken = settings_.look(metadata, options_.camera);
+    auto taken = settings_.look(metadata, options_.camera);
     if (!taken || !*taken) return taken;
     if (node_.empty() || metadata.contains(libcamera::controls::ExposureTime.id())) return true;
     auto node = system_->open(node_);

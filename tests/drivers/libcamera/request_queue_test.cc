@@ -41,7 +41,7 @@ TEST_F(RequestQueueTest, GivesTheOldestFirstAndNoneAtTheDeadline) {
 }
 
 TEST_F(RequestQueueTest, ARequestComesAgainAsOftenAsItIsCompleted) {
-  for (std::size_t round = 0; round < 3 * BufferLender::kMaxBuffers; ++round) {
+  for (std::size_t round = 0; round < std::size_t{3} * BufferLender::kMaxBuffers; ++round) {
     queue_.complete(request(0));
     EXPECT_EQ(queue_.take(kOver), request(0));
     EXPECT_EQ(queue_.take(kOver), nullptr);
