@@ -12,8 +12,9 @@ import subprocess
 import processes
 
 CAMERA_PORTS = 3
-# Whatever happens to the tests, no machine runs longer than this.
-LIFETIME_S = 3600
+# Whatever happens to the tests, no machine runs longer than this. All of them have taken half an hour beside
+# other work.
+LIFETIME_S = 3 * 3600
 # The disk of recordings: small enough to be filled, large enough for a recording of a minute.
 RECORDINGS_MB = 160
 
