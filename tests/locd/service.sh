@@ -29,7 +29,8 @@ locd=$!
 until grep -q session "$work/log"; do read -rt 0.1 <> <(:) || true; done
 code=0
 "$1" --config "$work/locd.toml" 2>"$work/second" || code=$?
-[ "$code" -eq 69 ] && grep -q "pid $locd;" "$work/second"
+[ "$code" -eq 69 ] || { echo "a second locd ended with $code"; cat "$work/second"; exit 1; }
+grep -q "pid $locd;" "$work/second" || { cat "$work/second"; exit 1; }
 
 ip route add 239.0.0.0/8 dev lo
 hear_three_poses "$@"
