@@ -83,11 +83,21 @@ class World:
         """The package, unless it is installed."""
         self.guest.check("test -x /usr/bin/locd || dpkg -i /share/waymark-locd.deb", 180)
 
+    def linked(self):
+        """Serial numbers of the cameras that udev has given the package's links."""
+        return set(self.guest.run("cd /dev/waymark && echo *")[1].split())
+
     def prepare(self):
-        """The package installed, a listener, three cameras; locd may run or not."""
+        """The package installed, a listener, three cameras that the guest has seen come; locd may run or not."""
         self.install()
         self.listen()
+        elsewhere = [camera for port, camera in enumerate(self.cameras) if camera.port() != port]
+        for camera in elsewhere:
+            camera.unplug()
+        gone = {camera.serial for camera in elsewhere}
+        self.wait_until(f"{gone} are gone", lambda: not gone or not gone & self.linked())
         self.plug_all()
+        self.wait_until("all cameras are there", lambda: self.linked() >= {c.serial for c in self.cameras})
 
     def localize(self):
         """All prepared, locd running with the usual configuration unless it runs already, poses of all three."""

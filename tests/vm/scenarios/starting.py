@@ -33,6 +33,7 @@ def realtime(world):
     world.prepare()
     with world.locd.realtime_drop_in():
         port = world.guest.check("v4l2-ctl -d /dev/waymark/WM-1 --info | sed -n 's/.*Bus info *: *//p' | head -1")
+        assert port.startswith("usb-"), port
         world.locd.configure(realtime=True, devices=("/dev/waymark/WM-0", f"bus={port}", "serial=WM-2"))
         world.locd.start()
         world.wait_for_full_pose()
