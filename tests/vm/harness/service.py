@@ -26,6 +26,7 @@ markers = "markers.toml"
 [service]
 startup_wait_s = {startup_wait_s}
 realtime = {realtime}
+lock_memory = {lock_memory}
 """
 CAMERA = """[[camera]]
 name = "cam{number}"
@@ -44,7 +45,8 @@ class Locd:
         self.inputs = pathlib.Path(inputs)
 
     def configure(self, driver="v4l2", devices=("serial=WM-0", "serial=WM-1", "serial=WM-2"), map_file="room.map",
-                  startup_wait_s=60, gain=40, fps="fps = 1\n", realtime=False, min_free_bytes=0, max_bytes=1e9):
+                  startup_wait_s=60, gain=40, fps="fps = 1\n", realtime=False, lock_memory=False,
+                  min_free_bytes=0, max_bytes=1e9):
         """Writes /etc/locd; takes effect with the next restart or reload. devices: in the rig's order."""
         etc = self.share / "etc"
         etc.mkdir(exist_ok=True)
@@ -54,7 +56,8 @@ class Locd:
                           for i, device in enumerate(devices))
         (etc / "locd.toml").write_text(
             CONFIG.format(map=map_file, cameras=cameras, url=URL, startup_wait_s=startup_wait_s,
-                          realtime=str(realtime).lower(), min_free_bytes=min_free_bytes, max_bytes=max_bytes),
+                          realtime=str(realtime).lower(), lock_memory=str(lock_memory).lower(),
+                          min_free_bytes=min_free_bytes, max_bytes=max_bytes),
             encoding="utf-8")
         self.guest.check("cp /share/etc/* /etc/locd/ && chmod 644 /etc/locd/*")
 

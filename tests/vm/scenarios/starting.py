@@ -29,17 +29,23 @@ def wrong_camera(world):
 
 
 def realtime(world):
-    """With the drop-in, threads run in real time; cameras named by link, port and serial number; poses come."""
+    """With the drop-in, threads run in real time with all memory locked; cameras named by link, port and serial
+    number; poses come."""
     world.prepare()
     with world.locd.realtime_drop_in():
         port = world.guest.check("v4l2-ctl -d /dev/waymark/WM-1 --info | sed -n 's/.*Bus info *: *//p' | head -1")
         assert port.startswith("usb-"), port
-        world.locd.configure(realtime=True, devices=("/dev/waymark/WM-0", f"bus={port}", "serial=WM-2"))
+        world.locd.configure(realtime=True, lock_memory=True,
+                             devices=("/dev/waymark/WM-0", f"bus={port}", "serial=WM-2"))
         world.locd.start()
         world.wait_for_full_pose()
         threads = world.guest.check(f"ps -L -o comm=,cls=,rtprio= -p {world.locd.pid()}")
         of = dict(re.findall(r"^(\S+) +FF +(\d+)$", threads, re.M))
         assert of == {"cam0": "40", "cam1": "40", "cam2": "40", "localization": "30"}, threads
+        status = world.guest.check(f"cat /proc/{world.locd.pid()}/status")
+        of_kb = {kind: int(kb) for kind, kb in re.findall(r"^Vm(Size|Lck):\s+(\d+) kB$", status, re.M)}
+        # The cameras' buffers are the kernel's own, and never swapped out.
+        assert of_kb["Lck"] > 0.9 * of_kb["Size"], of_kb
         world.locd.stop()
 
 
