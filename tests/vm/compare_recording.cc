@@ -1,7 +1,7 @@
 // Whether a recording of emulated cameras holds exactly what they showed: every image equals, pixel
 // by pixel, one of the capture that the cameras were given, all images of a frame set are of one
-// instant of it, and so many sets at least are of all cameras. Prints counts; exit code 1 when
-// something differs.
+// instant of it, and there are so many images, and sets of all cameras, at least. Prints counts; exit
+// code 1 when something differs.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -76,10 +76,12 @@ Expected<Findings> run(const std::string& recorded, const std::string& given) {
 int main(int argc, char** argv) {
   std::string recording;
   std::string capture;
+  std::size_t images = 1;
   std::size_t full = 1;
   CLI::App app{"Whether a recording of emulated cameras holds exactly what they showed"};
   app.add_option("recording", recording)->required();
   app.add_option("capture", capture, "What the cameras were given")->required();
+  app.add_option("--images", images, "Images that there must be at least");
   app.add_option("--full", full, "Sets of all cameras that there must be at least");
   CLI11_PARSE(app, argc, argv);
   const auto findings = run(recording, capture);
@@ -91,5 +93,6 @@ int main(int argc, char** argv) {
       "{} images in {} sets, {} of all cameras; {} images that no camera showed, {} sets of "
       "several instants\n",
       findings->images, findings->sets, findings->full_sets, findings->foreign, findings->mixed);
-  return findings->full_sets >= full && findings->foreign == 0 && findings->mixed == 0 ? 0 : 1;
+  const bool enough = findings->images >= images && findings->full_sets >= full;
+  return enough && findings->foreign == 0 && findings->mixed == 0 ? 0 : 1;
 }

@@ -45,8 +45,10 @@ json fields(const waymark::status_t& m) {
   }
   json drops = json::object();
   for (std::size_t i = 0; i < m.drops.size(); ++i) drops[m.drop_reason[i]] = m.drops[i];
-  return {{"seq", m.seq},
+  return {{"utime", m.utime},
+          {"seq", m.seq},
           {"session", m.session_id},
+          {"uptime_s", m.uptime_s},
           {"text", m.text},
           {"map_hash", m.map_hash},
           {"cameras", cameras},
@@ -54,10 +56,13 @@ json fields(const waymark::status_t& m) {
           {"poses", m.poses},
           {"drops", drops},
           {"publish_failures", m.publish_failures},
+          {"time_status", m.time_status},
           {"time_steps", m.time_steps},
+          {"time_error_s", m.time_error_s},
           {"recording", static_cast<bool>(m.recording)},
           {"recording_path", m.recording_path},
           {"recorded_sets", m.recorded_sets},
+          {"recorded_bytes", m.recorded_bytes},
           {"recorder_drops", m.recorder_drops},
           {"reload_refused", m.reload_refused}};
 }

@@ -5,10 +5,11 @@ import os
 import pathlib
 import time
 
-# pose_t.status and reasons, camera_status_t.state (proto/).
+# pose_t.status and reasons, camera_status_t.state, status_t.time_status (proto/).
 OK, DEGRADED, AMBIGUOUS, LOST = range(4)
 NO_FRAMES, CAMERA_MISSING, UNSYNCED = 1, 256, 2048
 WAITING, STREAMING, STALLED, CAMERA_LOST = range(4)
+TIME_OK, TIME_SLEWING, TIME_STEPPED, TIME_SUSPENDED = range(4)
 
 # How much longer tests wait than what they wait for takes, for machines that have other work: it costs time
 # only when something fails.
