@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
   std::string recording;
   std::string capture;
   std::size_t images = 1;
-  std::size_t full = 1;
+  std::size_t full = 0;
   CLI::App app{"Whether a recording of emulated cameras holds exactly what they showed"};
   app.add_option("recording", recording)->required();
   app.add_option("capture", capture, "What the cameras were given")->required();

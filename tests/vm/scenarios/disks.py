@@ -3,7 +3,7 @@
 import shutil
 import subprocess
 
-from poses import assert_expected
+from poses import assert_expected, images_recorded, start_recording
 
 MOUNT = "/var/lib/locd/recordings"
 
@@ -29,8 +29,7 @@ def disk_full(world):
     world.guest.check(f"rm -rf {MOUNT}/*")
     world.locd.configure(min_free_bytes=MIN_FREE_BYTES, max_bytes=MAX_BYTES)
     world.guest.check("systemctl reload locd")
-    world.hearing.mark()
-    folder = world.locd.request("start").removeprefix("ok ")
+    folder = start_recording(world)
     oldest = f"ls {folder}/cam0 | sort | head -1"
     world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 3)
     first = world.guest.check(oldest)
@@ -40,7 +39,6 @@ def disk_full(world):
     # Somebody else takes all but what recordings leave, and more.
     free = "$(df --output=avail -B1 {} | tail -1)".format(MOUNT)
     world.guest.check(f"fallocate -l $(({free} - {MIN_FREE_BYTES:.0f} - 1000000)) {MOUNT}/others")
-    before = world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 3)["recorded_sets"]
     world.hearing.mark()
     world.hearing.wait_for("recording goes on", "STATUS", lambda m: m["recording"], count=3)
     left = int(world.guest.check(f"echo {free}"))
@@ -48,12 +46,16 @@ def disk_full(world):
     world.guest.check(f"fallocate -l {MIN_FREE_BYTES / 2:.0f} {MOUNT}/more")
     world.hearing.wait_for("alert that recording ended", "ALERT",
                            lambda m: m["raised"] and m["kind"] == "RECORDING", timeout_s=90)
+    # Two thirds are left: the others took a megabyte of it.
+    ended = world.hearing.wait_for("its end, and what it holds", "STATUS",
+                                   lambda m: not m["recording"] and m["recorded_bytes"] > MAX_BYTES / 3)
+    images = images_recorded(ended)
     assert world.wait_for_full_pose()["session"] == session
     shutil.rmtree(world.share / "full", ignore_errors=True)
     world.guest.check(f"cp -r {folder} /share/full; rm -rf {MOUNT}/*")
     assert not list((world.share / "full").rglob(".*.part")), "a half-written image is left"
-    code, text = world.native("compare_recording", world.share / "full", world.capture, "--full", 3)
-    assert code == 0, f"{before} sets were recorded: {text}"
+    code, text = world.native("compare_recording", world.share / "full", world.capture, "--images", images)
+    assert code == 0, f"{images} images were recorded: {text}"
     world.locd.configure()
     world.guest.check("systemctl reload locd")
 
@@ -66,8 +68,7 @@ def failing_disk(world):
                    # What the kernel does when a disk gives an error: from now on it is read-only.
                    f"mount -o remount,errors=remount-ro {MOUNT} && echo 1 >/sys/fs/ext4/vdb/trigger_fs_error"):
         session = localize_with_disk(world)
-        world.hearing.mark()
-        world.locd.request("start")
+        start_recording(world)
         world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 2)
         world.hearing.mark()
         world.guest.check(damage)
@@ -94,13 +95,20 @@ def power_back(world):
     assert world.locd.show("NRestarts") == "0", world.locd.journal()
 
 
+def steadily_recorded(world):
+    """The last statuses heard of a recording under way for a while, each of one set more than the one before; nothing
+    while sets come otherwise: then the disk, or all, stands still."""
+    statuses = world.hearing.since_mark("STATUS")[-3:]
+    sets = [m["recorded_sets"] for m in statuses]
+    return statuses if sets[0] >= 6 and sets == [sets[0], sets[0] + 1, sets[0] + 2] else None
+
+
 def power_cut(world):
     """The power goes while recording: what lies on the disk is a capture that lacks a second at most."""
     localize_with_disk(world)
-    folder = world.locd.request("start").removeprefix("ok ")
-    world.hearing.mark()
-    world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 8, timeout_s=90)
-    last = world.hearing.since_mark("STATUS")[-1]["recorded_sets"]
+    folder = start_recording(world)
+    world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 6, timeout_s=90, count=3)
+    statuses = world.wait_until("it records a set a second", lambda: steadily_recorded(world), timeout_s=90)
     world.machine.kill()
     disk = world.machine.recordings
     repaired = subprocess.run(["e2fsck", "-fy", disk], check=False, capture_output=True, text=True)
@@ -110,7 +118,8 @@ def power_cut(world):
     subprocess.run(["debugfs", "-R", f"rdump {folder.removeprefix(MOUNT)} {world.run / 'cut'}", disk], check=True,
                    capture_output=True)
     capture = next((world.run / "cut").iterdir())
-    # One set a second; the status may be a second old, the disk another.
-    code, text = world.native("compare_recording", capture, world.capture, "--full", last - 2)
+    # The status may be a second old, the disk another.
+    images = images_recorded(statuses[0])
+    code, text = world.native("compare_recording", capture, world.capture, "--images", images)
     print(text)
-    assert code == 0, f"{last} sets were recorded: {text}"
+    assert code == 0, f"{images} images were recorded two seconds before: {text}"

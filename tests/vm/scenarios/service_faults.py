@@ -3,7 +3,7 @@
 import shutil
 
 import hearing as heard
-from poses import assert_expected
+from poses import assert_expected, images_recorded, start_recording
 from steady_utime import SteadyUtime, slew_s
 
 
@@ -50,20 +50,20 @@ def refused_reload(world):
 def killed_while_recording(world):
     """kill -9: started again by itself, and what was recorded is a capture."""
     session = world.localize()["session"]
-    folder = world.locd.request("start").removeprefix("ok ")
-    world.hearing.mark()
+    folder = start_recording(world)
     world.hearing.wait_for("recording", "STATUS", lambda m: m["recorded_sets"] >= 3)
     restarts = int(world.locd.show("NRestarts"))
     world.guest.check("systemctl kill -s KILL locd")
-    last = world.hearing.since_mark("STATUS")[-1]["recorded_sets"]
+    last = world.hearing.since_mark("STATUS")[-1]
     world.hearing.mark()
     world.hearing.wait_for("pose of another session", "POSE",
                            lambda m: m["session"] != session and m["cameras_used"] == 3, timeout_s=90)
     assert int(world.locd.show("NRestarts")) == restarts + 1
     shutil.rmtree(world.share / "killed", ignore_errors=True)
     world.guest.check(f"cp -r {folder} /share/killed")
-    code, text = world.native("compare_recording", world.share / "killed", world.capture, "--full", last - 1)
-    assert code == 0, f"{last} sets were recorded: {text}"
+    code, text = world.native("compare_recording", world.share / "killed", world.capture, "--images",
+                              images_recorded(last))
+    assert code == 0, f"{images_recorded(last)} images were recorded: {text}"
     code, text = world.native("mapbuilder", "detect", world.share / "killed", "-o", world.run / "killed.csv")
     assert code == 0 and "skipped" not in text, text
 
