@@ -77,8 +77,6 @@ def flapping_camera(world):
     assert_set(world.cameras[1])
 
 
-
-
 def all_unplugged_and_replugged_elsewhere(world):
     """Without a camera LOST goes on twice a second; plugged into other ports the cameras are who they were."""
     session = world.localize()["session"]
@@ -109,18 +107,23 @@ def all_unplugged_and_replugged_elsewhere(world):
     world.wait_for_full_pose()
 
 
+def assert_started_again(world, number):
+    """A camera that delivers nothing is named and its stream started again, until it delivers."""
+    name = f"cam{number}"
+    world.hearing.mark()
+    world.cameras[number].order("stall")
+    world.hearing.wait_for("alert that names the camera", "ALERT",
+                           lambda m: m["raised"] and m["kind"] == "MISSING" and m["subject"] == name)
+    starts = state_of(world.hearing.since_mark("STATUS")[0], name)["starts"]
+    world.hearing.wait_for("restart of the stream", "STATUS", lambda m: state_of(m, name)["starts"] > starts)
+    world.cameras[number].order("go")
+    world.wait_for_full_pose()
+
+
 def hanging_camera(world):
     """A camera without frames is named and started again, and again, until it delivers."""
     world.localize()
-    world.hearing.mark()
-    world.cameras[2].order("stall")
-    world.hearing.wait_for("alert that names the camera", "ALERT",
-                           lambda m: m["raised"] and m["kind"] == "MISSING" and m["subject"] == "cam2")
-    first = world.hearing.since_mark("STATUS")[0]
-    starts = state_of(first, "cam2")["starts"]
-    world.hearing.wait_for("restart of the stream", "STATUS", lambda m: state_of(m, "cam2")["starts"] > starts)
-    world.cameras[2].order("go")
-    world.wait_for_full_pose()
+    assert_started_again(world, 2)
 
 
 def short_frames(world):
