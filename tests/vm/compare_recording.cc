@@ -1,7 +1,7 @@
 // Whether a recording of emulated cameras holds exactly what they showed: every image equals, pixel
 // by pixel, one of the capture that the cameras were given, all images of a frame set are of one
-// instant of it, and there are so many images, and sets of all cameras, at least. Prints counts; exit
-// code 1 when something differs.
+// instant of it, and there are so many images, and sets of all cameras, at least. Prints counts;
+// exit code 1 when something differs.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
