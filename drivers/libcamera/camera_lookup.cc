@@ -17,10 +17,20 @@ std::string reason(int negative_errno) {
   return std::error_code(-negative_errno, std::generic_category()).message();
 }
 
+namespace {
+
+std::mutex manager_mutex;  ///< of its making and its end, for there must never be two of them
+std::weak_ptr<libcamera::CameraManager> current;
+
+}  // namespace
+
+void let_go(std::shared_ptr<libcamera::CameraManager>& manager) {
+  const std::lock_guard lock(manager_mutex);
+  manager.reset();
+}
+
 Expected<std::shared_ptr<libcamera::CameraManager>> shared_manager() {
-  static std::mutex mutex;
-  static std::weak_ptr<libcamera::CameraManager> current;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(manager_mutex);
   if (auto running = current.lock()) return running;
   // Its own log knows no bounds. Levels would need the name of every category; our errors say what
   // matters.

@@ -14,6 +14,9 @@ namespace waymark {
 /// unavailable when it can't.
 [[nodiscard]] Expected<std::shared_ptr<libcamera::CameraManager>> shared_manager();
 
+/// Gives back a share; with the last the manager ends, and the next one looks for cameras anew.
+void let_go(std::shared_ptr<libcamera::CameraManager>& manager);
+
 /// The camera to which a node of Video4Linux belongs; null: none of libcamera's.
 [[nodiscard]] std::shared_ptr<libcamera::Camera> camera_of(libcamera::CameraManager& manager,
                                                            const std::string& node);

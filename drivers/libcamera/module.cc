@@ -114,6 +114,9 @@ class LibcameraSource final : public FrameSource {
     if (camera && *camera == nullptr) {
       std::vector<std::string> ids;
       for (const auto& other : manager_->cameras()) ids.push_back(other->id());
+      // libcamera 0.0.3 misses cameras that come while it starts, for good: another one may see
+      // them.
+      let_go(manager_);
       return fail(
           ErrorKind::unavailable,
           "{}: libcamera has no such camera; it has: {}; `cam --list` shows what hinders it",

@@ -3,7 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <thread>
+
 #include "drivers/libcamera/stamp_clock.h"
+#include "drivers/monotonic_clock.h"
 #include "tests/drivers/v4l2/fake_video_system.h"
 
 namespace waymark {
@@ -61,6 +65,25 @@ TEST(LibcameraSource, ACameraThatIsNotThereIsNamed) {
   options = options_of_cam0();
   options.camera.device.serial = "0815";
   EXPECT_THAT(start_error(options).message, HasSubstr("serial=0815: no such camera is plugged in"));
+}
+
+/// libcamera watches devices in threads of its own for as long as somebody holds its manager.
+TEST(LibcameraSource, OneThatFindsNoCameraLetsLibcameraLookAnew) {
+  const auto threads = [] {
+    return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
+  };
+  LibcameraOptions options = options_of_cam0();
+  options.id = "imx219";
+  const auto source = libcamera_source(std::make_shared<test::FakeVideoSystem>(), options);
+  ASSERT_TRUE(source);
+  const auto before = threads();  // with those of the libraries that are loaded by now
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    EXPECT_THAT((*source)->start().error().message, HasSubstr("no such camera"));
+    // A thread that was joined stays in the list for a moment.
+    const Stamp deadline = monotonic_now() + seconds(20);
+    while (threads() > before && monotonic_now() < deadline) std::this_thread::yield();
+    EXPECT_LE(threads(), before);
+  }
 }
 
 TEST(LibcameraSource, WhatLibcameraSaysByItselfStaysOutOfTheLog) {
