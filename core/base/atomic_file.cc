@@ -83,6 +83,11 @@ Expected<std::string> read_file(const fs::path& path, std::size_t max_bytes) {
     return fail(ErrorKind::no_input, "{}: can't read: it is {}; name a file", path.string(),
                 S_ISDIR(status.st_mode) ? "a folder" : "no regular file");
   }
+  const auto too_large = [&] {
+    return fail(ErrorKind::bad_data, "{}: larger than {} bytes; this is not such a file",
+                path.string(), max_bytes);
+  };
+  if (static_cast<std::uintmax_t>(status.st_size) > max_bytes) return too_large();
   std::string content;
   std::array<char, 65536> buffer{};
   for (;;) {
@@ -91,10 +96,7 @@ Expected<std::string> read_file(const fs::path& path, std::size_t max_bytes) {
     if (got < 0) return fail(ErrorKind::io, "{}: can't read: {}", path.string(), system_reason());
     if (got == 0) return content;
     content.append(buffer.data(), static_cast<std::size_t>(got));
-    if (content.size() > max_bytes) {
-      return fail(ErrorKind::bad_data, "{}: larger than {} bytes; this is not such a file",
-                  path.string(), max_bytes);
-    }
+    if (content.size() > max_bytes) return too_large();  // it has grown since
   }
 }
 

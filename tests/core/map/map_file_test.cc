@@ -5,6 +5,7 @@
 
 #include <boost/crc.hpp>
 #include <cmath>
+#include <filesystem>
 #include <waymark/map_capture_t.hpp>
 #include <waymark/map_header_t.hpp>
 #include <waymark/map_marker_t.hpp>
@@ -296,6 +297,23 @@ TEST(MapFile, AMapThatCouldNotBeReadBackIsNotWritten) {
   ASSERT_FALSE(status);
   EXPECT_EQ(status.error().kind, ErrorKind::internal);
   EXPECT_EQ(folder.read("a.map"), "earlier");
+}
+
+TEST(MapFile, AFileLargerThanAnyMapIsRefusedUnread) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("a.map", "");
+  const auto refusal_of = [&](std::uintmax_t bytes) {
+    std::filesystem::resize_file(path, bytes);  // a hole: it takes no disk
+    const auto map = read_map_file(path);
+    EXPECT_FALSE(map);
+    return map ? Error{ErrorKind::internal, "accepted"} : map.error();
+  };
+  constexpr std::uintmax_t kLargest = std::uintmax_t{1} << 28;
+  EXPECT_THAT(refusal_of(kLargest).message, HasSubstr("no marker map"));
+  const Error larger = refusal_of(kLargest + 1);
+  EXPECT_EQ(larger.kind, ErrorKind::bad_data);
+  EXPECT_THAT(larger.message, HasSubstr("larger than 268435456 bytes"));
+  EXPECT_THAT(refusal_of(std::uintmax_t{1} << 40).message, HasSubstr("larger than"));
 }
 
 TEST(MapFile, AbsentFilesAreNoInput) {
