@@ -17,9 +17,9 @@
 #include "core/map/map_file.h"
 #include "drivers/monotonic_clock.h"
 #include "drivers/replay_source.h"
-#include "locd/localizer.h"
-#include "locd/recorder.h"
-#include "locd/telemetry.h"
+#include "locd/pose/localizer.h"
+#include "locd/publish/telemetry.h"
+#include "locd/record/recorder.h"
 
 namespace waymark::bench {
 namespace {
@@ -103,7 +103,7 @@ constexpr int kWarmUp = 20;
 
 int measure_stages(Player& player, const MarkerMap& map, int sets, bool detections, Stamp started) {
   Localizer localizer(player.rig(), map, {});
-  Config::Lcm lcm;
+  LcmOptions lcm;
   lcm.url = "memq://";
   SessionFacts session;
   session.session_id = new_session_id();

@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <vector>
 
+#include "bench/corner_accuracy.h"
+#include "bench/scene_covariance.h"
 #include "bench/scene_trial.h"
 #include "core/base/error.h"
-#include "mapbuilder/evaluate/corner_accuracy.h"
-#include "mapbuilder/evaluate/scene_covariance.h"
 
 namespace waymark::bench {
 

@@ -10,7 +10,7 @@
 #include "core/base/progress.h"
 #include "core/capture/capture_folder.h"
 #include "core/geometry/tum.h"
-#include "mapbuilder/mapping/detect_capture.h"
+#include "mapbuilder/observations/detect_capture.h"
 #include "simulator/render_capture.h"
 #include "simulator/rig_library.h"
 #include "simulator/scene_library.h"

@@ -4,9 +4,9 @@
 #include <string>
 
 #include "core/base/error.h"
+#include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/evaluate/evaluation.h"
 #include "mapbuilder/evaluate/ground_truth.h"
-#include "mapbuilder/mapping/map_builder.h"
 
 namespace waymark::bench {
 

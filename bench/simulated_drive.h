@@ -6,7 +6,7 @@
 
 #include "core/camera/rig.h"
 #include "core/map/marker_map.h"
-#include "locd/frame_synchronizer.h"
+#include "locd/frames/frame_synchronizer.h"
 #include "simulator/random.h"
 #include "simulator/scene.h"
 #include "simulator/trajectory.h"

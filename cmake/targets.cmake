@@ -7,12 +7,32 @@ set(WAYMARK_MODULE_FOLDER ${PROJECT_BINARY_DIR}/modules)
 set(CMAKE_BUILD_RPATH ${WAYMARK_MODULE_FOLDER})
 set(CMAKE_INSTALL_RPATH $ORIGIN/../lib/waymark)
 
+# Headers that nearly every source includes are compiled once for all of them. Sources still include what they use:
+# scripts/check builds without.
+option(WAYMARK_PRECOMPILED_HEADERS "compile common headers once" ON)
+function(waymark_precompile target headers)
+  if(WAYMARK_PRECOMPILED_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM waymark_precompiled_${headers})
+  endif()
+endfunction()
+if(WAYMARK_PRECOMPILED_HEADERS)
+  set(empty ${PROJECT_BINARY_DIR}/precompiled_headers.cc)
+  file(GENERATE OUTPUT ${empty} CONTENT "")
+  add_library(waymark_precompiled_common OBJECT ${empty})
+  target_precompile_headers(waymark_precompiled_common PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled_common.h)
+  target_link_libraries(waymark_precompiled_common PRIVATE Eigen3::Eigen fmt::fmt tl::expected waymark_warnings)
+  add_library(waymark_precompiled_tests OBJECT ${empty})
+  target_precompile_headers(waymark_precompiled_tests PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h)
+  target_link_libraries(waymark_precompiled_tests PRIVATE Eigen3::Eigen fmt::fmt tl::expected GTest::gmock waymark_warnings)
+endif()
+
 # waymark_library(<name> SOURCES … PUBLIC … PRIVATE …): a static library, included from the top of the tree.
 function(waymark_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} waymark_warnings)
+  waymark_precompile(${name} common)
 endfunction()
 
 # waymark_module(<name> COMPONENT … SOURCES … PRIVATE …): loaded at run time by those that need it (dlopen), so that
@@ -33,6 +53,7 @@ function(waymark_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} waymark_warnings)
+  waymark_precompile(${name} common)
 endfunction()
 
 # waymark_test(<name> SOURCES … LIBS … [LABELS …] [TIMEOUT seconds]): GoogleTest cases, one ctest line each.
@@ -44,6 +65,7 @@ function(waymark_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LIBS} GTest::gtest_main GTest::gmock waymark_warnings)
+  waymark_precompile(${name} tests)
   set(properties TIMEOUT ${ARG_TIMEOUT})
   if(ARG_LABELS)  # an empty value would vanish and shift what follows it
     list(APPEND properties LABELS "${ARG_LABELS}")

@@ -7,9 +7,9 @@
 #include <exception>
 #include <iostream>
 
-#include "locd/camera_list.h"
-#include "locd/daemon_command.h"
-#include "locd/replay_command.h"
+#include "locd/service/camera_list.h"
+#include "locd/service/daemon_command.h"
+#include "locd/service/replay_command.h"
 
 namespace waymark {
 namespace {

@@ -8,7 +8,7 @@
 #include "bench/locd_accuracy/pose_errors.h"
 #include "bench/simulated_drive.h"
 #include "core/estimate/corner_residual.h"
-#include "locd/localizer.h"
+#include "locd/pose/localizer.h"
 
 namespace waymark::bench {
 namespace {

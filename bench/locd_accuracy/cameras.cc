@@ -7,7 +7,7 @@
 #include "bench/locd_accuracy/measurements.h"
 #include "bench/locd_accuracy/pose_errors.h"
 #include "bench/simulated_drive.h"
-#include "locd/localizer.h"
+#include "locd/pose/localizer.h"
 
 namespace waymark::bench {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/base/check.h"
-#include "locd/pose_estimate.h"
-#include "locd/pose_gate.h"
+#include "locd/pose/pose_estimate.h"
+#include "locd/pose/pose_gate.h"
 #include "simulator/rig_library.h"
 #include "simulator/scene_library.h"
 

@@ -7,9 +7,9 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "mapbuilder/build/map_builder.h"
+#include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/commands/captures_in.h"
-#include "mapbuilder/mapping/map_builder.h"
-#include "mapbuilder/mapping/world_frame.h"
 
 namespace waymark {
 

@@ -7,8 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
-#include "mapbuilder/mapping/detect_capture.h"
-#include "mapbuilder/mapping/detect_videos.h"
+#include "mapbuilder/observations/detect_capture.h"
+#include "mapbuilder/observations/detect_videos.h"
 
 namespace waymark {
 

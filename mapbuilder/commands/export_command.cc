@@ -6,7 +6,7 @@
 #include "core/map/map_export.h"
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
-#include "mapbuilder/output/output_paths.h"
+#include "mapbuilder/build/output_paths.h"
 
 namespace waymark {
 namespace {

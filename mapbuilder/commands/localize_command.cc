@@ -7,8 +7,8 @@
 
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
-#include "mapbuilder/mapping/relocalization.h"
-#include "mapbuilder/mapping/trajectory_file.h"
+#include "mapbuilder/build/trajectory_file.h"
+#include "mapbuilder/growth/relocalization.h"
 
 namespace waymark {
 namespace {

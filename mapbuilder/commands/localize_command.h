@@ -6,8 +6,8 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/commands/captures_in.h"
-#include "mapbuilder/mapping/map_builder.h"
 
 namespace waymark {
 

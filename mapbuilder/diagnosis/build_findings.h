@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/diagnosis/finding.h"
-#include "mapbuilder/mapping/map_builder.h"
 
 namespace waymark {
 

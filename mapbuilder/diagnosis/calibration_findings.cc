@@ -8,7 +8,7 @@
 #include <cmath>
 #include <set>
 
-#include "mapbuilder/mapping/direction_hold.h"
+#include "mapbuilder/bundle/direction_hold.h"
 
 namespace waymark {
 namespace {

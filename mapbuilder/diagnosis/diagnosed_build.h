@@ -2,9 +2,9 @@
 
 #include <vector>
 
+#include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/diagnosis/finding.h"
 #include "mapbuilder/diagnosis/marker_diagnosis.h"
-#include "mapbuilder/mapping/map_builder.h"
 
 namespace waymark {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/diagnosis/finding.h"
-#include "mapbuilder/mapping/world_frame.h"
 
 namespace waymark {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "mapbuilder/mapping/map_builder.h"
+#include "mapbuilder/build/map_builder.h"
 
 namespace waymark {
 

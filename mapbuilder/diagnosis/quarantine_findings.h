@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/map/quarantine.h"
+#include "mapbuilder/build/map_builder.h"
+#include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/diagnosis/finding.h"
-#include "mapbuilder/mapping/map_builder.h"
-#include "mapbuilder/mapping/world_frame.h"
 
 namespace waymark {
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "mapbuilder/diagnosis/map_evidence.h"
-#include "mapbuilder/mapping/marker_placement.h"
+#include "mapbuilder/growth/marker_placement.h"
 
 namespace waymark {
 

@@ -6,7 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/base/text_field.h"
-#include "mapbuilder/output/output_paths.h"
+#include "mapbuilder/build/output_paths.h"
 
 namespace waymark {
 namespace {

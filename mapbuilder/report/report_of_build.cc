@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/base/check.h"
+#include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/evaluate/trajectory.h"
-#include "mapbuilder/mapping/world_frame.h"
 
 namespace waymark {
 namespace {

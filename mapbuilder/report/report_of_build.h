@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/camera/rig.h"
-#include "mapbuilder/mapping/map_builder.h"
+#include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/report/report.h"
 
 namespace waymark {

@@ -13,7 +13,7 @@
 #include "core/map/map_json.h"
 #include "core/map/map_records.h"
 #include "core/marker/marker_catalog.h"
-#include "locd/config.h"
+#include "locd/service/config.h"
 #include "mapbuilder/import/calib_json.h"
 #include "mapbuilder/import/survey.h"
 #include "tests/fuzz/mutator.h"

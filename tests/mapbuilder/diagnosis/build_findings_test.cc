@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tests/mapbuilder/mapping/room_table.h"
+#include "tests/mapbuilder/observations/room_table.h"
 
 namespace waymark {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mapbuilder/diagnosis/diagnosed_build.h"
-#include "tests/mapbuilder/mapping/room_table.h"
+#include "tests/mapbuilder/observations/room_table.h"
 
 namespace waymark::test {
 

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "mapbuilder/output/output_paths.h"
+#include "mapbuilder/build/output_paths.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {

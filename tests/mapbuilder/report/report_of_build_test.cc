@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/mapbuilder/mapping/room_table.h"
+#include "tests/mapbuilder/observations/room_table.h"
 
 namespace waymark {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
-#include "tests/mapbuilder/mapping/room_table.h"
+#include "tests/mapbuilder/observations/room_table.h"
 #include "tests/mapbuilder/report/small_report.h"
 
 namespace waymark {

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "drivers/monotonic_clock.h"
-#include "locd/control_socket.h"
+#include "locd/service/control_socket.h"
 #include "tests/vm/uvc_camera/usb_link.h"
 
 namespace {

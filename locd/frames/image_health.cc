@@ -1,0 +1,95 @@
+#include "locd/frames/image_health.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace waymark {
+namespace {
+
+constexpr std::array<AlertKind, 4> kKinds = {AlertKind::image_frozen, AlertKind::image_dark,
+                                             AlertKind::image_saturated, AlertKind::image_obscured};
+
+/// Counts of grey levels, and of differences across 4 px.
+struct Histograms {
+  std::array<int, 256> grey{};
+  std::array<int, 256> edge{};
+  int pixels = 0;
+  int edges = 0;
+};
+
+Histograms sample(const GrayView& image) {
+  constexpr int kStep = 4;
+  Histograms histograms;
+  for (int y = 0; y < image.height_px; y += kStep) {
+    const std::uint8_t* row = image.row(y);
+    for (int x = 0; x < image.width_px; x += kStep) {
+      ++histograms.grey[row[x]];
+      ++histograms.pixels;
+      if (x < kStep) continue;
+      ++histograms.edge[static_cast<std::size_t>(std::abs(row[x] - row[x - kStep]))];
+      ++histograms.edges;
+    }
+  }
+  return histograms;
+}
+
+/// Share of the counts at `level` and above.
+double share_from(const std::array<int, 256>& counts, int total, int level) {
+  int sum = 0;
+  for (int i = level; i < 256; ++i) sum += counts[static_cast<std::size_t>(i)];
+  return total == 0 ? 0.0 : static_cast<double>(sum) / total;
+}
+
+std::uint64_t hash_of(const GrayView& image) {
+  std::uint64_t hash = 0;
+  for (int y = 0; y < image.height_px; ++y) {
+    hash = XXH3_64bits_withSeed(image.row(y), static_cast<std::size_t>(image.width_px), hash);
+  }
+  return hash;
+}
+
+}  // namespace
+
+ImageHealth::ImageHealth(std::size_t cameras, const ImageHealthOptions& options)
+    : options_(options), cameras_(cameras) {}
+
+void ImageHealth::look(std::size_t camera, const GrayView& image, Stamp stamp,
+                       std::vector<Alert>& alerts) {
+  Camera& state = cameras_[camera];
+  const std::uint64_t hash = hash_of(image);
+  state.identical = hash == state.hash ? state.identical + 1 : 1;
+  state.hash = hash;
+  const Histograms h = sample(image);
+  const bool dark = share_from(h.grey, h.pixels, options_.dark_grey) < 0.01;
+  const bool saturated =
+      share_from(h.grey, h.pixels, options_.bright_grey) > options_.saturated_share;
+  const bool flat = share_from(h.edge, h.edges, options_.edge_grey) < 0.005;
+  note(camera, 0, state.identical >= options_.identical_images, 1, stamp, alerts);
+  note(camera, 1, dark, options_.sets_to_raise, stamp, alerts);
+  note(camera, 2, saturated, options_.sets_to_raise, stamp, alerts);
+  note(camera, 3, flat && !dark && !saturated, options_.sets_to_raise, stamp, alerts);
+  const bool any = std::any_of(state.faults.begin(), state.faults.end(),
+                               [](const Fault& fault) { return fault.raised; });
+  unhealthy_ = any ? unhealthy_ | camera_bit(camera) : unhealthy_ & ~camera_bit(camera);
+}
+
+void ImageHealth::note(std::size_t camera, std::size_t index, bool present, int sets_to_raise,
+                       Stamp stamp, std::vector<Alert>& alerts) {
+  Fault& fault = cameras_[camera].faults[index];
+  fault.sets = present ? fault.sets + 1 : 0;
+  fault.healthy = present ? 0 : fault.healthy + 1;
+  const bool raise = !fault.raised && fault.sets >= sets_to_raise;
+  const bool clear = fault.raised && fault.healthy >= options_.sets_to_clear;
+  if (!raise && !clear) return;
+  fault.raised = raise;
+  Alert alert;
+  alert.kind = kKinds[index];
+  alert.raised = raise;
+  alert.stamp = stamp;
+  alert.camera = static_cast<int>(camera);
+  alerts.push_back(alert);
+}
+
+}  // namespace waymark

@@ -1,0 +1,97 @@
+#include "locd/pose/frame_detector.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "core/base/parallel.h"
+
+namespace waymark {
+namespace {
+
+bool has_size_of(const GrayView& image, const CameraModel& camera) {
+  return image.data != nullptr && image.width_px == camera.parameters().width_px &&
+         image.height_px == camera.parameters().height_px;
+}
+
+}  // namespace
+
+FrameDetector::FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads)
+    : rig_(rig), found_(rig.cameras.size()) {
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    detectors_.push_back(std::make_unique<ImageDetector>(catalog));
+  }
+  const int wanted =
+      std::min<int>(effective_threads(threads), static_cast<int>(rig.cameras.size()));
+  for (int i = 1; i < wanted; ++i) workers_.emplace_back([this] { work(); });
+}
+
+FrameDetector::~FrameDetector() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  begun_.notify_all();
+  for (std::thread& worker : workers_) worker.join();
+}
+
+void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras) {
+  CameraMask to_search = 0;
+  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
+    results_[c] = {};
+    if ((cameras & set.cameras & camera_bit(c)) == 0) continue;
+    const Frame& frame = set.frames[c];
+    if (frame.detections() != nullptr) {
+      results_[c] = frame.detections()->detections;
+    } else if (has_size_of(frame.image(), rig_.cameras[c].model)) {
+      to_search |= camera_bit(c);
+    }
+  }
+  if (to_search == 0) return;
+  {
+    const std::lock_guard lock(mutex_);
+    set_ = &set;
+    waiting_ = to_search;
+    unfinished_ = std::popcount(to_search);
+  }
+  begun_.notify_all();
+  take_cameras();
+  std::unique_lock lock(mutex_);
+  done_.wait(lock, [this] { return unfinished_ == 0; });
+  set_ = nullptr;
+  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
+    if ((to_search & camera_bit(c)) != 0) results_[c] = found_[c]->detections;
+  }
+}
+
+void FrameDetector::work() {
+  for (;;) {
+    {
+      std::unique_lock lock(mutex_);
+      begun_.wait(lock, [this] { return stopping_ || waiting_ != 0; });
+      if (stopping_) return;
+    }
+    take_cameras();
+  }
+}
+
+void FrameDetector::take_cameras() {
+  for (;;) {
+    std::size_t camera = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      if (waiting_ == 0) return;
+      camera = static_cast<std::size_t>(std::countr_zero(waiting_));
+      waiting_ &= waiting_ - 1;
+    }
+    detect_in(camera);
+    const std::lock_guard lock(mutex_);
+    if (--unfinished_ == 0) done_.notify_all();
+  }
+}
+
+void FrameDetector::detect_in(std::size_t camera) {
+  found_[camera] =
+      &detectors_[camera]->detect(set_->frames[camera].image(), rig_.cameras[camera].model);
+}
+
+}  // namespace waymark

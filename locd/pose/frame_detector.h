@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <thread>
+#include <vector>
+
+#include "core/camera/rig.h"
+#include "core/detect/image_detector.h"
+#include "core/marker/marker_catalog.h"
+#include "locd/frames/frame_synchronizer.h"
+
+namespace waymark {
+
+/// Finds the markers in all images of a set at once, by worker threads made at start, one detector
+/// per camera. Frames that come with their detections (a capture's detections.csv) are not looked
+/// at again.
+class FrameDetector {
+ public:
+  /// `threads` 0: one per camera, at most as many as there are processors. The caller's thread is
+  /// one of them. The rig must outlive the detector.
+  FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads);
+  ~FrameDetector();
+  FrameDetector(const FrameDetector&) = delete;
+  FrameDetector& operator=(const FrameDetector&) = delete;
+
+  /// Detections of the cameras in `cameras`; detections_of() is valid until the next call.
+  void detect(const FrameSetLease& set, CameraMask cameras);
+  [[nodiscard]] std::span<const Detection> detections_of(std::size_t camera) const {
+    return results_[camera];
+  }
+
+ private:
+  void work();
+  /// Detects in cameras that no thread has taken yet; notes when the last is done.
+  void take_cameras();
+  void detect_in(std::size_t camera);
+
+  const Rig& rig_;
+  std::vector<std::unique_ptr<ImageDetector>> detectors_;
+  std::vector<const FoundMarkers*> found_;  ///< the detectors' own
+  std::array<std::span<const Detection>, kMaxCameras> results_;
+
+  std::mutex mutex_;
+  std::condition_variable begun_;
+  std::condition_variable done_;
+  const FrameSetLease* set_ = nullptr;
+  CameraMask waiting_ = 0;  ///< cameras that no thread has taken
+  int unfinished_ = 0;      ///< cameras taken or waiting
+  bool stopping_ = false;
+  std::vector<std::thread> workers_;
+};
+
+}  // namespace waymark

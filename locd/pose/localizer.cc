@@ -1,0 +1,353 @@
+#include "locd/pose/localizer.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+
+#include "core/base/check.h"
+#include "drivers/monotonic_clock.h"
+#include "locd/frames/image_health.h"
+#include "locd/frames/skew_watch.h"
+#include "locd/pose/camera_watch.h"
+#include "locd/pose/corner_noise.h"
+#include "locd/pose/frame_detector.h"
+#include "locd/pose/map_index.h"
+#include "locd/pose/map_watch.h"
+#include "locd/pose/motion_filter.h"
+#include "locd/pose/robust_pose.h"
+
+namespace waymark {
+namespace {
+
+double seconds(Stamp duration) { return std::chrono::duration<double>(duration).count(); }
+
+MotionOptions motion_options(const LocalizerOptions& options) {
+  MotionOptions motion;
+  motion.max_age_s = options.prior_max_age_s;
+  return motion;
+}
+
+}  // namespace
+
+struct Localizer::Implementation {
+  Implementation(const Rig& rig_in, const MarkerMap& map_in, const LocalizerOptions& options_in)
+      : rig(rig_in),
+        options(options_in),
+        map(map_in),
+        detector(rig, map.catalog(), options.detection_threads),
+        robust(rig, map, {}),
+        gate(options.gate),
+        motion(motion_options(options)),
+        map_watch(map, robust.solver()),
+        camera_watch(rig, map),
+        health(rig.cameras.size()),
+        skew_watch({options.triggered, options.negligible_skew}) {
+    observations.reserve(kMaxObservations);
+    quarantined.reserve(kMaxObservations);
+    alerts.reserve(kMaxObservations);
+    WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
+  }
+
+  void localize(const FrameSetLease& set, PoseEstimate& estimate);
+  void begin(const FrameSetLease& set, PoseEstimate& estimate) const;
+  void observe(const FrameSetLease& set, PoseEstimate& estimate);
+  void observe_camera(std::size_t camera, PoseEstimate& estimate);
+  void time_observations(const FrameSetLease& set, PoseEstimate& estimate);
+  void solve(const FrameSetLease& set, PoseEstimate& estimate);
+  void report(const PoseSolution& solution, PoseEstimate& estimate) const;
+  void judge(const FrameSetLease& set, const PoseSolution& solution,
+             const std::optional<MotionPrediction>& prior, PoseEstimate& estimate);
+  [[nodiscard]] bool some_camera_disagrees() const;
+  void learn_noise();
+  void watch(const PoseSolution& solution, PoseEstimate& estimate);
+
+  Rig rig;
+  LocalizerOptions options;
+  MapIndex map;
+  FrameDetector detector;
+  RobustPose robust;
+  PoseGate gate;
+  MotionFilter motion;
+  std::optional<CornerNoise> noise;
+  MapWatch map_watch;
+  CameraWatch camera_watch;
+  ImageHealth health;
+  SkewWatch skew_watch;
+  std::vector<SetObservation> observations;
+  std::vector<SetObservation> quarantined;  ///< held against the pose, take no part in it
+  std::vector<Alert> alerts;
+};
+
+void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate& estimate) {
+  alerts.clear();
+  begin(set, estimate);
+  const Stamp started = monotonic_now();
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (set.has(c) && set.frames[c].has_image()) {
+      health.look(c, set.frames[c].image(), set.frames[c].stamp(), alerts);
+    }
+  }
+  skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
+  detector.detect(set, set.cameras & ~health.unhealthy());
+  const Stamp detected = monotonic_now();
+  observe(set, estimate);
+  time_observations(set, estimate);
+  solve(set, estimate);
+  estimate.times.detect = detected - started;
+  estimate.times.solve = monotonic_now() - detected;
+}
+
+void Localizer::Implementation::begin(const FrameSetLease& set, PoseEstimate& estimate) const {
+  estimate.lose(PoseReason::no_markers);
+  estimate.sequence = set.sequence;
+  estimate.stamp = set.mean_stamp();
+  estimate.set_stamp = set.set_stamp();
+  estimate.max_skew = set.max_skew();
+  estimate.cameras_expected = set.expected;
+  estimate.cameras_in_set = set.cameras;
+  estimate.markers_seen = 0;
+  estimate.observations.clear();
+  estimate.camera_offset.fill(Stamp{0});
+  estimate.times = {};
+}
+
+/// Every detection with what is known of its marker.
+void Localizer::Implementation::observe(const FrameSetLease& set, PoseEstimate& estimate) {
+  observations.clear();
+  quarantined.clear();
+  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    if (set.has(camera)) observe_camera(camera, estimate);
+  }
+  for (std::size_t i = 0; i < estimate.observations.size(); ++i) {
+    const auto& seen = estimate.observations;
+    const bool before =
+        std::any_of(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(i),
+                    [&](const ObservedMarker& other) { return other.marker == seen[i].marker; });
+    estimate.markers_seen += before ? 0 : 1;
+  }
+}
+
+void Localizer::Implementation::observe_camera(std::size_t camera, PoseEstimate& estimate) {
+  const auto detections = detector.detections_of(camera);
+  for (const Detection& detection : detections) {
+    if (estimate.observations.size() == kMaxObservations) return;
+    ObservedMarker seen;
+    seen.marker = detection.marker;
+    seen.camera = static_cast<std::int16_t>(camera);
+    seen.corners_px = detection.corners;
+    const auto map_index = map.find(detection.marker);
+    const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
+    if (!map_index) {
+      seen.verdict = ObservationVerdict::unknown;
+    } else if (std::count_if(detections.begin(), detections.end(), same_id) > 1) {
+      seen.verdict = ObservationVerdict::repeated;
+    } else {
+      const bool use = !map.quarantined(*map_index);
+      if (!use) seen.verdict = ObservationVerdict::quarantined;
+      SetObservation& o = (use ? observations : quarantined).emplace_back();
+      o.observation.camera = static_cast<int>(camera);
+      o.observation.size_m = map.marker(*map_index).size_m;
+      o.detected_px = detection.corners;
+      if (detection.covariances) {
+        o.stated = *detection.covariances;
+      } else {
+        o.stated.fill(Eigen::Matrix2d::Zero());
+      }
+      if (!noise) noise.emplace(detection.covariances.has_value());
+      o.map_index = *map_index;
+      o.report_index = estimate.observations.size();
+    }
+    estimate.observations.push_back(seen);
+  }
+}
+
+/// The set's instant, and each corner's from there: the cameras' skew and their rows' read-out.
+void Localizer::Implementation::time_observations(const FrameSetLease& set,
+                                                  PoseEstimate& estimate) {
+  CameraMask seeing = 0;
+  for (const SetObservation& o : observations) {
+    seeing |= camera_bit(static_cast<std::size_t>(o.observation.camera));
+  }
+  if (seeing != 0) {
+    Stamp sum{0};
+    int count = 0;
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+      if ((seeing & camera_bit(c)) == 0) continue;
+      sum += set.frames[c].stamp() - estimate.set_stamp;
+      ++count;
+    }
+    estimate.stamp = estimate.set_stamp + sum / count;
+  }
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (set.has(c)) estimate.camera_offset[c] = set.frames[c].stamp() - estimate.stamp;
+  }
+  const auto time_corners = [&](SetObservation& o) {
+    const RigCamera& camera = rig.cameras[static_cast<std::size_t>(o.observation.camera)];
+    const double offset_s =
+        seconds(estimate.camera_offset[static_cast<std::size_t>(o.observation.camera)]);
+    const double readout_s = camera.readout_us.value_or(0) * 1e-6;
+    const double rows = camera.model.parameters().height_px;
+    for (std::size_t i = 0; i < 4; ++i) {
+      // The stamp is of the middle row, (rows − 1)/2.
+      o.after_s[i] = offset_s + readout_s * (o.detected_px[i].y() - 0.5 * (rows - 1)) / rows;
+    }
+  };
+  std::for_each(observations.begin(), observations.end(), time_corners);
+  std::for_each(quarantined.begin(), quarantined.end(), time_corners);
+}
+
+void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& estimate) {
+  if (observations.empty()) return;
+  const auto prior = motion.predict(estimate.stamp);
+  VelocityPrior velocity{Vector6d::Zero(), motion.unknown_velocity_covariance()};
+  if (prior) velocity = {prior->velocity, prior->velocity_covariance};
+  std::optional<Rigid3> predicted;
+  if (prior) predicted = prior->world_from_rig;
+  const auto solution = robust.solve(observations, predicted, velocity, noise->model_sigma_px());
+  if (!solution) {
+    estimate.lose(PoseReason::no_solution);
+    return;
+  }
+  report(*solution, estimate);
+  judge(set, *solution, prior, estimate);
+  const Stamp judged = monotonic_now();
+  robust.hold_against(quarantined, *solution, noise->model_sigma_px());
+  watch(*solution, estimate);
+  estimate.times.watch = monotonic_now() - judged;
+}
+
+void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate& estimate) {
+  for (const SetObservation& o : quarantined) {
+    ObservedMarker& seen = estimate.observations[o.report_index];
+    seen.rms_px = o.rms_px;
+    seen.sigmas_squared = o.sigmas_squared;
+  }
+  if (estimate.has(PoseReason::no_velocity)) return;
+  // A camera that stands elsewhere makes the pose jump between its word and the others'.
+  camera_watch.update(estimate.stamp, observations, solution.world_from_rig, alerts);
+  if (estimate.has(PoseReason::jump)) return;
+  learn_noise();
+  const CameraMask trusted = camera_watch.trusted();
+  map_watch.update(estimate.stamp, observations, solution, trusted, alerts);
+  map_watch.update(estimate.stamp, quarantined, solution, trusted, alerts);
+  if (solution.ambiguous || solution.inlier_markers < 2) return;
+  for (const ObservedMarker& seen : estimate.observations) {
+    if (seen.verdict == ObservationVerdict::unknown) {
+      map_watch.note_unknown(estimate.stamp, seen.marker, alerts);
+    }
+  }
+}
+
+void Localizer::Implementation::report(const PoseSolution& solution, PoseEstimate& estimate) const {
+  estimate.reasons = 0;
+  estimate.world_from_rig = solution.world_from_rig;
+  estimate.covariance = solution.covariance;
+  estimate.markers_used = solution.inlier_markers;
+  estimate.observations_used = solution.inliers;
+  double sum = 0;
+  for (const SetObservation& o : observations) {
+    ObservedMarker& seen = estimate.observations[o.report_index];
+    seen.verdict = o.inlier ? ObservationVerdict::inlier : ObservationVerdict::outlier;
+    seen.rms_px = o.rms_px;
+    seen.sigmas_squared = o.sigmas_squared;
+    if (!o.inlier) {
+      ++estimate.outliers;
+      continue;
+    }
+    sum += o.rms_px * o.rms_px;
+    estimate.cameras_used |= camera_bit(static_cast<std::size_t>(o.observation.camera));
+  }
+  estimate.rms_px = std::sqrt(sum / solution.inliers);
+}
+
+void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSolution& solution,
+                                      const std::optional<MotionPrediction>& prior,
+                                      PoseEstimate& estimate) {
+  if (!prior) gate.forget();
+  ReasonBits reasons = gate.judge(estimate.stamp, solution, prior);
+  const bool trusted = reasons == 0 || reasons == bit(PoseReason::sigma);
+  if (camera_watch.suspects() != 0 || some_camera_disagrees()) {
+    reasons |= bit(PoseReason::camera_suspect);
+  }
+  if ((set.cameras & ~health.unhealthy()) != set.expected)
+    reasons |= bit(PoseReason::camera_missing);
+  Stamp readout{0};
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (!set.has(c)) continue;
+    const double readout_us = rig.cameras[c].readout_us.value_or(0);
+    readout = std::max(readout, from_us(readout_us));
+    if (set.frames[c].info().quality == StampQuality::arrival) {
+      reasons |= bit(PoseReason::unsynced);
+    }
+  }
+  if (options.triggered && estimate.max_skew > options.negligible_skew) {
+    reasons |= bit(PoseReason::skew);
+  }
+  const bool needs_velocity = estimate.max_skew + readout > options.negligible_skew;
+  if (needs_velocity && !(prior && prior->velocity_known)) {
+    reasons |= bit(PoseReason::no_velocity);
+  }
+  estimate.reasons = reasons;
+  estimate.status = reasons == 0         ? PoseStatus::ok
+                    : solution.ambiguous ? PoseStatus::ambiguous
+                                         : PoseStatus::degraded;
+  if (trusted) motion.update(estimate.stamp, solution.motion);
+  const auto now = motion.predict(estimate.stamp);
+  if (now && now->velocity_known) estimate.velocity = now->velocity;
+}
+
+/// Whether a camera's markers are mostly outliers: the pose is by others then, and who is right is
+/// not known.
+bool Localizer::Implementation::some_camera_disagrees() const {
+  std::array<int, kMaxCameras> markers{};
+  std::array<int, kMaxCameras> inliers{};
+  for (const SetObservation& o : observations) {
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    ++markers[camera];
+    inliers[camera] += o.inlier ? 1 : 0;
+  }
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (markers[c] >= 2 && 2 * inliers[c] < markers[c]) return true;
+  }
+  return false;
+}
+
+/// From what each camera's markers leave when that camera may stand a little elsewhere: what it has
+/// against the other cameras is no noise of its corners.
+void Localizer::Implementation::learn_noise() {
+  double stated = 0;
+  for (const SetObservation& o : observations) {
+    for (const Eigen::Matrix2d& covariance : o.stated) stated += covariance.trace() / 8.0;
+  }
+  noise->update(camera_watch.own_residuals(), stated / static_cast<double>(observations.size()));
+}
+
+Localizer::Localizer(const Rig& rig, const MarkerMap& map, const LocalizerOptions& options)
+    : implementation_(std::make_unique<Implementation>(rig, map, options)) {}
+Localizer::~Localizer() = default;
+
+void Localizer::localize(const FrameSetLease& set, PoseEstimate& estimate) {
+  implementation_->localize(set, estimate);
+}
+
+std::span<const Alert> Localizer::alerts() const { return implementation_->alerts; }
+
+bool Localizer::quarantine_changed() const { return implementation_->map_watch.changed(); }
+
+std::vector<QuarantinedMarker> Localizer::quarantine() {
+  return implementation_->map_watch.quarantine();
+}
+
+void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {
+  implementation_->map_watch.restore(markers);
+}
+
+CameraMask Localizer::unhealthy_cameras() const { return implementation_->health.unhealthy(); }
+
+void Localizer::forget_motion() {
+  implementation_->motion.reset();
+  implementation_->gate.forget();
+}
+
+}  // namespace waymark

@@ -1,0 +1,120 @@
+#include "locd/pose/pose_covariance.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/estimate/corner_residual.h"
+
+namespace waymark {
+namespace {
+
+/// Calls `use(observation, corner, residual, jacobians)` for every corner of the inliers.
+template <typename Use>
+void for_each_corner(std::span<const SetObservation> observations, const MapIndex& map,
+                     const RigPoseSolver& solver, const Rigid3& world_from_rig, const Use& use) {
+  for (const SetObservation& o : observations) {
+    if (!o.inlier) continue;
+    const MapMarker& marker = map.marker(o.map_index);
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    const CornerChain chain(solver.model(camera), solver.cam_from_rig(camera), world_from_rig,
+                            marker.world_from_marker);
+    const auto corners = marker_corners(marker.size_m);
+    for (std::size_t i = 0; i < 4; ++i) {
+      CornerJacobians jacobians;
+      const auto residual =
+          corner_residual(chain, corners[i], o.observation.corners_px[i], &jacobians);
+      if (residual) use(o, i, *residual, jacobians);
+    }
+  }
+}
+
+Eigen::Matrix<double, 6, 2> weighted_jacobian(const SetObservation& o, std::size_t corner,
+                                              const CornerJacobians& jacobians) {
+  const Eigen::Matrix2d& w = o.observation.whitening[corner];
+  return jacobians.d_rig.transpose() * (w.transpose() * w);
+}
+
+}  // namespace
+
+MotionEvidence motion_evidence(std::span<const SetObservation> observations, const MapIndex& map,
+                               const RigPoseSolver& solver, const Rigid3& world_from_rig,
+                               const Vector6d& velocity) {
+  MotionEvidence evidence;
+  evidence.world_from_rig = world_from_rig;
+  evidence.velocity = velocity;
+  for_each_corner(observations, map, solver, world_from_rig,
+                  [&](const SetObservation& o, std::size_t i, const Eigen::Vector2d& residual,
+                      const CornerJacobians& jacobians) {
+                    const auto weighted = weighted_jacobian(o, i, jacobians);
+                    const Matrix6d own = weighted * jacobians.d_rig;
+                    const double t = o.after_s[i];
+                    evidence.of_pose += own;
+                    evidence.of_both += t * own;
+                    evidence.of_velocity += t * t * own;
+                    evidence.towards_pose -= weighted * residual;
+                    evidence.towards_velocity -= t * weighted * residual;
+                  });
+  return evidence;
+}
+
+MotionStep motion_step(const MotionEvidence& evidence, const VelocityPrior& prior) {
+  MotionStep step;
+  const Eigen::LDLT<Matrix6d> pose_factor(evidence.of_pose);
+  step.pose_per_velocity = -pose_factor.solve(evidence.of_both);
+  const Eigen::LDLT<Matrix6d> prior_factor(prior.covariance);
+  const Matrix6d known = prior_factor.solve(Matrix6d::Identity()) + evidence.of_velocity +
+                         evidence.of_both * step.pose_per_velocity;
+  const Vector6d pull = evidence.towards_velocity +
+                        step.pose_per_velocity.transpose() * evidence.towards_pose +
+                        prior_factor.solve(prior.velocity - evidence.velocity);
+  const Eigen::LDLT<Matrix6d> factor(known);
+  step.velocity = factor.solve(pull);
+  step.velocity_covariance = factor.solve(Matrix6d::Identity());
+  step.pose = pose_factor.solve(evidence.towards_pose) + step.pose_per_velocity * step.velocity;
+  return step;
+}
+
+PoseCovariance::PoseCovariance(const MapIndex& map, const RigPoseSolver& solver)
+    : map_(map), solver_(solver) {
+  shares_.reserve(map.size());
+}
+
+Matrix6d PoseCovariance::of(std::span<const SetObservation> observations,
+                            const Rigid3& world_from_rig, const MotionEvidence& evidence,
+                            const MotionStep& step, double model_sigma_px) {
+  const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
+  Matrix6d noise = Matrix6d::Zero();
+  shares_.clear();
+  for_each_corner(observations, map_, solver_, world_from_rig,
+                  [&](const SetObservation& o, std::size_t i, const Eigen::Vector2d& /*residual*/,
+                      const CornerJacobians& jacobians) {
+                    const auto weighted = weighted_jacobian(o, i, jacobians);
+                    noise += weighted * (o.stated[i] + model) * weighted.transpose();
+                    auto share = std::find_if(
+                        shares_.begin(), shares_.end(),
+                        [&](const MarkerShare& s) { return s.map_index == o.map_index; });
+                    if (share == shares_.end()) {
+                      share = shares_.insert(share, {o.map_index, Matrix6d::Zero()});
+                    }
+                    share->matrix += weighted * jacobians.d_marker;
+                  });
+  const Matrix6d inverse = evidence.of_pose.ldlt().solve(Matrix6d::Identity());
+  Matrix6d covariance = inverse * noise * inverse;
+  covariance +=
+      step.pose_per_velocity * step.velocity_covariance * step.pose_per_velocity.transpose();
+  // Cov(Σ eₘ) ≤ Σ Cov(eₘ)/wₘ for any correlations and weights that sum to 1; wₘ ∝ √tr is best.
+  double roots = 0;
+  for (MarkerShare& share : shares_) {
+    const Matrix6d gain = inverse * share.matrix;
+    share.matrix = gain * map_.marker(share.map_index).covariance * gain.transpose();
+    roots += std::sqrt(std::max(share.matrix.trace(), 0.0));
+  }
+  for (const MarkerShare& share : shares_) {
+    const double root = std::sqrt(std::max(share.matrix.trace(), 0.0));
+    if (root > 0) covariance += roots / root * share.matrix;
+  }
+  return 0.5 * (covariance + covariance.transpose());
+}
+
+}  // namespace waymark

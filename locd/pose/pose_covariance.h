@@ -1,0 +1,57 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/estimate/rig_pose_solver.h"
+#include "locd/pose/map_index.h"
+#include "locd/pose/motion_filter.h"
+#include "locd/pose/set_observation.h"
+
+namespace waymark {
+
+/// What is believed of the velocity before a set.
+struct VelocityPrior {
+  Vector6d velocity = Vector6d::Zero();  ///< m/s, rad/s, world axes
+  Matrix6d covariance = Matrix6d::Identity();
+};
+
+/// What the inliers' residuals say at a pose and velocity, their whitening as it stands.
+[[nodiscard]] MotionEvidence motion_evidence(std::span<const SetObservation> observations,
+                                             const MapIndex& map, const RigPoseSolver& solver,
+                                             const Rigid3& world_from_rig,
+                                             const Vector6d& velocity);
+
+/// The step to the optimum over pose and velocity together, the velocity's prior included.
+struct MotionStep {
+  Vector6d pose = Vector6d::Zero();
+  Vector6d velocity = Vector6d::Zero();
+  Matrix6d velocity_covariance = Matrix6d::Zero();  ///< after the set
+  Matrix6d pose_per_velocity = Matrix6d::Zero();
+};
+[[nodiscard]] MotionStep motion_step(const MotionEvidence& evidence, const VelocityPrior& prior);
+
+/// The covariance of a pose: the corners' noise through the solve, plus the velocity's, plus the
+/// map's by the bound that holds for markers correlated in whatever way: of n markers that are
+/// wrong alike the pose is as wrong, not by √n less. Holds its working memory.
+class PoseCovariance {
+ public:
+  PoseCovariance(const MapIndex& map, const RigPoseSolver& solver);
+
+  /// `model_sigma_px` is what was added to the detector's own.
+  [[nodiscard]] Matrix6d of(std::span<const SetObservation> observations,
+                            const Rigid3& world_from_rig, const MotionEvidence& evidence,
+                            const MotionStep& step, double model_sigma_px);
+
+ private:
+  struct MarkerShare {  ///< of one marker in the pose: ΣJᵀWJ_marker, then its covariance
+    std::size_t map_index = 0;
+    Matrix6d matrix = Matrix6d::Zero();
+  };
+
+  const MapIndex& map_;
+  const RigPoseSolver& solver_;
+  std::vector<MarkerShare> shares_;
+};
+
+}  // namespace waymark

@@ -1,0 +1,84 @@
+#include "locd/pose/pose_gate.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+namespace waymark {
+namespace {
+
+double largest_sigma(const Eigen::Matrix3d& covariance) {
+  if (!covariance.allFinite()) return std::numeric_limits<double>::quiet_NaN();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff()));
+}
+
+}  // namespace
+
+PoseSigmas worst_sigmas(const Matrix6d& covariance) {
+  return {largest_sigma(covariance.topLeftCorner<3, 3>()),
+          largest_sigma(covariance.bottomRightCorner<3, 3>())};
+}
+
+bool agrees(const Vector6d& delta, const Matrix6d& covariance) {
+  constexpr double kChi6At999 = 22.46;
+  return delta.dot(covariance.ldlt().solve(delta)) <= kChi6At999;
+}
+
+ReasonBits PoseGate::judge(Stamp stamp, const PoseSolution& solution,
+                           const std::optional<MotionPrediction>& prior) {
+  ReasonBits reasons = 0;
+  const PoseSigmas sigmas = worst_sigmas(solution.covariance);
+  // Written so that a NaN is a reason.
+  if (!(3 * sigmas.position_m <= options_.max_3sigma_m &&
+        3 * sigmas.rotation_rad <= options_.max_3sigma_rad)) {
+    reasons |= bit(PoseReason::sigma);
+  }
+  if (solution.ambiguous) reasons |= bit(PoseReason::ambiguous);
+  bool vouched = false;
+  if (prior) {
+    const PoseSigmas expected = worst_sigmas(prior->covariance);
+    vouched = 3 * expected.position_m <= options_.vouching_factor * options_.max_3sigma_m &&
+              3 * expected.rotation_rad <= options_.vouching_factor * options_.max_3sigma_rad &&
+              agrees(solution.world_from_rig.minus(prior->world_from_rig),
+                     solution.covariance + prior->covariance);
+  }
+  if (solution.inlier_markers < 2 && !vouched) reasons |= bit(PoseReason::few_markers);
+  if (solution.outlier_markers >= solution.inlier_markers && !vouched) {
+    reasons |= bit(PoseReason::outliers);
+  }
+  // A pose that another one equals tells nothing of where the rig is.
+  if (!solution.ambiguous && jumped({stamp, solution.world_from_rig, sigmas})) {
+    reasons |= bit(PoseReason::jump);
+  }
+  return reasons;
+}
+
+bool PoseGate::reachable(const Place& from, const Place& to) const {
+  const double seconds = std::abs(std::chrono::duration<double>(to.stamp - from.stamp).count());
+  const double moved_m = (to.pose.translation - from.pose.translation).norm();
+  const double turned_rad = angle_between_rad(to.pose.rotation, from.pose.rotation);
+  return moved_m <=
+             options_.v_max_mps * seconds + 3 * (from.sigmas.position_m + to.sigmas.position_m) &&
+         turned_rad <= options_.w_max_radps * seconds +
+                           3 * (from.sigmas.rotation_rad + to.sigmas.rotation_rad);
+}
+
+bool PoseGate::jumped(const Place& here) {
+  if (!place_ || reachable(*place_, here)) {
+    place_ = here;
+    elsewhere_.reset();
+    return false;
+  }
+  sets_elsewhere_ = elsewhere_ && reachable(*elsewhere_, here) ? sets_elsewhere_ + 1 : 1;
+  elsewhere_ = here;
+  if (sets_elsewhere_ < options_.sets_to_believe_jump) return true;
+  place_ = here;
+  elsewhere_.reset();
+  return false;
+}
+
+}  // namespace waymark

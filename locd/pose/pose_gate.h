@@ -1,0 +1,65 @@
+#pragma once
+
+#include <optional>
+
+#include "locd/pose/motion_filter.h"
+#include "locd/pose/pose_estimate.h"
+#include "locd/pose/robust_pose.h"
+
+namespace waymark {
+
+/// What OK means.
+struct GateOptions {
+  double max_3sigma_m = 0.020;      ///< along the worst direction (1 mm–1 m)
+  double max_3sigma_rad = 0.00873;  ///< 0.5°, about the worst axis (0.01–10°)
+  double v_max_mps = 3.0;           ///< the vehicle is never faster (0.1–50)
+  double w_max_radps = 2.1;         ///< 120°/s: it never turns faster (1–1000°/s)
+  /// A prior that is surer than so many times the limits may vouch for a single marker. (1–10)
+  double vouching_factor = 2.0;
+  /// A pose in another place is taken back to be true when so many sets in a row agree on it.
+  /// (2–100)
+  int sets_to_believe_jump = 3;
+};
+
+/// Largest standard deviation of a pose's position (m) and about any axis (rad).
+struct PoseSigmas {
+  double position_m = 0;
+  double rotation_rad = 0;
+};
+[[nodiscard]] PoseSigmas worst_sigmas(const Matrix6d& covariance);
+
+/// Whether `delta` is one that its covariance allows: χ² of 6 degrees of freedom at 99.9 %.
+[[nodiscard]] bool agrees(const Vector6d& delta, const Matrix6d& covariance);
+
+/// Tells what is wrong with a solution. Remembers where the rig was.
+class PoseGate {
+ public:
+  explicit PoseGate(const GateOptions& options) : options_(options) {}
+
+  /// Reasons against the solution, 0 for none; of few_markers, sigma, ambiguous, jump, outliers.
+  [[nodiscard]] ReasonBits judge(Stamp stamp, const PoseSolution& solution,
+                                 const std::optional<MotionPrediction>& prior);
+
+  /// A gap: any place may be next.
+  void forget() {
+    place_.reset();
+    elsewhere_.reset();
+  }
+
+ private:
+  struct Place {
+    Stamp stamp{0};
+    Rigid3 pose;
+    PoseSigmas sigmas;
+  };
+  [[nodiscard]] bool reachable(const Place& from, const Place& to) const;
+  /// Whether the rig can't be at `here`, by where it was.
+  [[nodiscard]] bool jumped(const Place& here);
+
+  GateOptions options_;
+  std::optional<Place> place_;
+  std::optional<Place> elsewhere_;  ///< where it is said to have jumped to
+  int sets_elsewhere_ = 0;
+};
+
+}  // namespace waymark

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/camera/rig.h"
+#include "core/estimate/rig_pose_solver.h"
+#include "locd/pose/map_index.h"
+#include "locd/pose/motion_filter.h"
+#include "locd/pose/pose_covariance.h"
+#include "locd/pose/set_observation.h"
+
+namespace waymark {
+
+/// A set's pose by all corners of all cameras.
+struct PoseSolution {
+  Rigid3 world_from_rig;
+  Matrix6d covariance = Matrix6d::Zero();
+  Matrix6d noise_covariance = Matrix6d::Zero();  ///< of that the inverse Hessian alone
+  MotionEvidence motion;                         ///< for the motion filter
+  Vector6d velocity = Vector6d::Zero();          ///< that corners were moved by
+  Matrix6d velocity_covariance = Matrix6d::Zero();
+  bool ambiguous = false;
+  int inliers = 0;
+  int inlier_markers = 0;   ///< different ones
+  int outlier_markers = 0;  ///< different ones that no inlier shows
+};
+
+/// Options of RobustPose.
+struct RobustPoseOptions {
+  /// Markers beyond are outliers: 36 is exceeded by 1 of 56,000 of χ² with 8 degrees of freedom.
+  double inlier_sigmas = 6.0;  ///< (4–20)
+  /// Where Tukey's loss, which has the last word before inliers are told, is flat. (6–40 sigmas)
+  double tukey_sigmas = 12.0;
+  int seed_observations = 8;       ///< largest ones that seed, where they explain the set (1–64)
+  int all_seed_observations = 32;  ///< the same where they do not (1–512)
+};
+
+/// One robust optimization over all corners of all cameras with the map's markers fixed (core's
+/// Algorithm 1): starts from the prior and from fresh IPPE candidates, so that a wrong prior can't
+/// hold it; Huber's loss finds the way, Tukey's lets go of what does not belong, and least squares
+/// over the inliers has the full efficiency. Where many don't belong, they are asked whether they
+/// agree on another pose; where none do, each camera is asked for its own.
+///
+/// Corners of other instants than the set's (free-running cameras, rolling shutters) are moved by
+/// what the velocity does to them. The velocity, known beforehand to its covariance, is corrected
+/// by the set itself, for cameras that don't agree about a moving rig are no outliers.
+class RobustPose {
+ public:
+  /// Map and rig must outlive it.
+  RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options);
+
+  /// nullopt when nothing explains what was seen. Marks inliers and writes residuals into
+  /// `observations`; they stay whitened for hold_against and the watches.
+  [[nodiscard]] std::optional<PoseSolution> solve(std::span<SetObservation> observations,
+                                                  const std::optional<Rigid3>& predicted,
+                                                  const VelocityPrior& velocity,
+                                                  double model_sigma_px);
+
+  /// Residuals and verdicts of further observations, which took no part, at a solution.
+  void hold_against(std::span<SetObservation> observations, const PoseSolution& solution,
+                    double model_sigma_px) const;
+
+  [[nodiscard]] const RigPoseSolver& solver() const { return solver_; }
+
+ private:
+  void whiten_roughly(std::span<SetObservation> observations, const VelocityPrior& velocity,
+                      double model_sigma_px) const;
+  void whiten(std::span<SetObservation> observations, const Rigid3& pose,
+              const Matrix6d& velocity_covariance, double model_sigma_px) const;
+  void move_to_set_instant(std::span<SetObservation> observations, const Rigid3& pose,
+                           const Vector6d& velocity) const;
+  void seed(std::span<SetObservation> observations, std::size_t count);
+  enum class Which { all, inliers, outliers };
+  void collect(std::span<const SetObservation> observations, Which which);
+  int classify(std::span<SetObservation> observations, const Rigid3& pose) const;
+  [[nodiscard]] std::optional<RigPoseEstimate> find_pose(std::span<SetObservation> observations,
+                                                         const std::optional<Rigid3>& predicted);
+  [[nodiscard]] bool polish(std::span<SetObservation> observations, Rigid3& pose,
+                            const VelocityPrior& believed, double model_sigma_px);
+  [[nodiscard]] bool hear_cameras(std::span<SetObservation> observations, Rigid3& pose,
+                                  const VelocityPrior& believed, double model_sigma_px);
+  [[nodiscard]] bool hear_outliers(std::span<SetObservation> observations, Rigid3& pose,
+                                   const VelocityPrior& believed, double model_sigma_px);
+  void count_markers(std::span<const SetObservation> observations, PoseSolution& solution);
+
+  const MapIndex& map_;
+  int cameras_;
+  RobustPoseOptions options_;
+  RigPoseSolver solver_;
+  PoseCovariance covariance_;
+  std::vector<FixedMarkerObservation> fixed_;
+  std::vector<std::pair<double, std::size_t>> by_size_;
+  std::vector<std::pair<std::size_t, bool>> marker_verdicts_;
+};
+
+}  // namespace waymark

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace waymark {
+
+/// [lcm] of locd.toml: where messages go.
+struct LcmOptions {
+  std::string url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string channel_prefix = "WAYMARK";
+  bool detections = false;  ///< publish WAYMARK_DETECTIONS
+  bool operator==(const LcmOptions&) const = default;
+};
+
+}  // namespace waymark

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+#include <waymark/status_t.hpp>
+
+#include "locd/alert.h"
+#include "locd/frames/rig_capture.h"
+#include "locd/publish/localization_counts.h"
+
+namespace waymark {
+
+/// Which cameras came and went since the last look, and what a status message says of all of them.
+/// Pure but for its memory of the last second.
+class StatusReport {
+ public:
+  explicit StatusReport(const Rig& rig);
+
+  /// Finds which cameras run: those that delivered within a second, or within three of their own
+  /// periods.
+  void judge(const std::vector<RigCapture::CameraState>& states, Stamp now);
+  [[nodiscard]] bool all_run() const;
+
+  /// Raised or over: a camera whose stamps can't be believed; one that delivers nothing for a
+  /// second. A camera that never delivered is missing from `grace` after the first look on.
+  [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
+                                                 Stamp now, Stamp grace);
+
+  /// A line per camera that runs in another way than before ("cam0: GREY 1224×1024 at 30/s, …"), or
+  /// that fails for another reason.
+  [[nodiscard]] std::vector<std::string> camera_news(
+      const std::vector<RigCapture::CameraState>& states);
+
+  /// The first camera that only another configuration can mend; nullopt: none.
+  [[nodiscard]] std::optional<Error> misconfiguration(
+      const std::vector<RigCapture::CameraState>& states) const;
+
+  /// Fills cameras, rates, drops and counts; `interval` since the last call.
+  void fill(const std::vector<RigCapture::CameraState>& states, const LocalizationCounts& counts,
+            Stamp interval, status_t& status);
+
+  /// One line: "OK at 29.9 Hz; cam1 missing: no such device".
+  [[nodiscard]] static std::string text(const status_t& status);
+
+ private:
+  struct Memory {
+    std::string name;
+    std::string description;
+    std::string error;
+    bool running = false;
+    bool missing = false;
+    bool unsynced = false;
+    std::uint64_t frames_judged = 0;
+    Stamp last_frame{0};
+    Stamp period = std::chrono::seconds(1);  ///< between frames; until two came, a slow guess
+    std::uint64_t frames_filled = 0;         ///< when rates were computed last
+  };
+  std::vector<Memory> cameras_;
+  std::uint64_t last_sets_ = 0;
+  std::optional<Stamp> first_look_;
+};
+
+}  // namespace waymark

@@ -1,0 +1,131 @@
+#include "locd/publish/telemetry.h"
+
+#include <algorithm>
+
+namespace waymark {
+
+Telemetry::Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now)
+    : prefix_(lcm.channel_prefix),
+      publish_detections_(lcm.detections),
+      pose_channel_(channel("POSE")),
+      detections_channel_(channel("DETECTIONS")),
+      session_(std::move(session)),
+      clock_(now),
+      started_(now.monotonic),
+      publisher_(lcm.url, now.monotonic),
+      pose_(make_pose_message(session_)),
+      detections_(make_detections_message(session_)),
+      last_pose_(now.monotonic) {}
+
+void Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
+  const std::lock_guard lock(mutex_);
+  send_pose(estimate, now);
+  latency_ms_[latencies_++ % kLatencies] = pose_.latency_ms;
+  if (!publish_detections_) return;
+  fill_detections(estimate, session_, clock_, detections_);
+  detections_.seq = detection_messages_++;
+  publisher_.publish(detections_channel_, detections_, now);
+}
+
+void Telemetry::keep_alive(Stamp now, PoseReason why) {
+  const std::lock_guard lock(mutex_);
+  if (now - last_pose_ < kHeartbeat) return;
+  no_pose_.lose(why);
+  no_pose_.stamp = now;
+  send_pose(no_pose_, now);
+}
+
+void Telemetry::send_pose(const PoseEstimate& estimate, Stamp now) {
+  fill_pose(estimate, session_, clock_, now, pose_);
+  pose_.seq = poses_++;
+  ++by_status_[static_cast<std::size_t>(estimate.status)];
+  last_pose_ = now;
+  publisher_.publish(pose_channel_, pose_, now);
+}
+
+void Telemetry::publish_alert(const Alert& alert, const Rig& rig, bool several_families,
+                              Stamp now) {
+  const std::lock_guard lock(mutex_);
+  alert_t message{};
+  fill_alert(alert, rig, several_families, session_, clock_, message);
+  send_alert(message, now);
+}
+
+void Telemetry::publish_alert(const std::string& kind, const std::string& subject,
+                              const std::string& text, bool raised, Stamp now) {
+  const std::lock_guard lock(mutex_);
+  alert_t message{};
+  message.utime = clock_.utime_us(now);
+  message.session_id = session_.session_id;
+  message.raised = static_cast<std::int8_t>(raised);
+  message.kind = kind;
+  message.subject = subject;
+  message.text = text;
+  message.offset_m = std::numeric_limits<double>::quiet_NaN();
+  message.offset_rad = std::numeric_limits<double>::quiet_NaN();
+  message.map_hash = session_.map_hash;
+  send_alert(message, now);
+}
+
+void Telemetry::send_alert(alert_t& alert, Stamp now) {
+  alert.seq = alerts_++;
+  publisher_.publish(channel("ALERT"), alert, now);
+}
+
+void Telemetry::publish_status(status_t& status, Stamp now) {
+  const std::lock_guard lock(mutex_);
+  status.utime = clock_.utime_us(now);
+  status.seq = statuses_++;
+  status.session_id = session_.session_id;
+  status.uptime_s = std::chrono::duration<double>(now - started_).count();
+  status.map_hash = session_.map_hash;
+  std::copy(by_status_.begin(), by_status_.end(), std::begin(status.poses));
+  fill_latency(status);
+  status.time_status = static_cast<std::int8_t>(clock_.status());
+  status.time_steps = clock_.steps();
+  status.time_error_s = std::chrono::duration<double>(clock_.error()).count();
+  status.publish_failures = publisher_.failures();
+  publisher_.publish(channel("STATUS"), status, now);
+}
+
+void Telemetry::fill_latency(status_t& status) {
+  status.latency_p50_ms = status.latency_max_ms = std::numeric_limits<double>::quiet_NaN();
+  const auto end =
+      latency_ms_.begin() + static_cast<std::ptrdiff_t>(std::min(latencies_, kLatencies));
+  latencies_ = 0;
+  if (end == latency_ms_.begin()) return;
+  const auto middle = latency_ms_.begin() + (end - latency_ms_.begin()) / 2;
+  std::nth_element(latency_ms_.begin(), middle, end);
+  status.latency_p50_ms = *middle;
+  status.latency_max_ms = *std::max_element(middle, end);
+}
+
+void Telemetry::set_map(const std::string& map_hash, bool world_z_is_up) {
+  const std::lock_guard lock(mutex_);
+  session_.map_hash = map_hash;
+  session_.world_z_is_up = world_z_is_up;
+}
+
+bool Telemetry::follow_clocks(const ClockReading& now) {
+  const std::lock_guard lock(mutex_);
+  const int steps = clock_.steps();
+  clock_.update(now);
+  return clock_.steps() > steps;
+}
+
+SessionFacts Telemetry::session() const {
+  const std::lock_guard lock(mutex_);
+  return session_;
+}
+
+std::int64_t Telemetry::utime_us(Stamp stamp) const {
+  const std::lock_guard lock(mutex_);
+  return clock_.utime_us(stamp);
+}
+
+Stamp Telemetry::utime_offset() const {
+  const std::lock_guard lock(mutex_);
+  return clock_.offset();
+}
+
+}  // namespace waymark

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <waymark/status_t.hpp>
+
+#include "core/base/priority_mutex.h"
+#include "locd/publish/clock_offset.h"
+#include "locd/publish/lcm_options.h"
+#include "locd/publish/lcm_publisher.h"
+#include "locd/publish/messages.h"
+
+namespace waymark {
+
+/// All that locd says to the world: numbers its messages, keeps utime, and sees to it that a pose
+/// goes out at least every 0.5 s. Any thread; each call holds the lock for the time of one encoding
+/// and one send.
+class Telemetry {
+ public:
+  /// Without a pose for so long, one is published that says so; less than 0.5 s by the service
+  /// loop's turn.
+  static constexpr Stamp kHeartbeat = std::chrono::milliseconds(390);
+
+  Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now);
+
+  /// Publishes the pose of a set (and its detections, where configured); allocates nothing.
+  void publish_pose(const PoseEstimate& estimate, Stamp now);
+  /// Publishes LOST when the last pose is old; `why` there is none.
+  void keep_alive(Stamp now, PoseReason why);
+  void publish_alert(const Alert& alert, const Rig& rig, bool several_families, Stamp now);
+  /// An alert of the service itself: RELOAD, RECORDING, TIME …
+  void publish_alert(const std::string& kind, const std::string& subject, const std::string& text,
+                     bool raised, Stamp now);
+  /// Fills in what only this class knows (times, poses, latency, failures) and publishes.
+  void publish_status(status_t& status, Stamp now);
+
+  /// Another map from now on.
+  void set_map(const std::string& map_hash, bool world_z_is_up);
+  /// Follows the machine's clocks; true when the wall clock has stepped since the last call.
+  bool follow_clocks(const ClockReading& now);
+
+  [[nodiscard]] SessionFacts session() const;
+  /// What utime adds to a stamp.
+  [[nodiscard]] Stamp utime_offset() const;
+  /// µs since the epoch of a stamp.
+  [[nodiscard]] std::int64_t utime_us(Stamp stamp) const;
+  [[nodiscard]] bool connected() const { return publisher_.connected(); }
+  /// LCM itself, for a subscriber in this process (memq://).
+  [[nodiscard]] lcm::LCM* lcm() { return publisher_.lcm(); }
+
+ private:
+  /// Latencies of up to so many poses within a second are judged.
+  static constexpr std::size_t kLatencies = 256;
+
+  [[nodiscard]] std::string channel(const char* name) const { return prefix_ + "_" + name; }
+  void send_pose(const PoseEstimate& estimate, Stamp now);
+  void send_alert(alert_t& alert, Stamp now);
+  void fill_latency(status_t& status);
+
+  const std::string prefix_;
+  const bool publish_detections_;
+  const std::string pose_channel_;
+  const std::string detections_channel_;
+  mutable PriorityMutex mutex_;
+  SessionFacts session_;
+  ClockOffset clock_;
+  const Stamp started_;
+  LcmPublisher publisher_;
+  pose_t pose_;
+  detections_t detections_;
+  PoseEstimate no_pose_;
+  Stamp last_pose_;
+  std::int64_t poses_ = 0;
+  std::int64_t detection_messages_ = 0;
+  std::int64_t alerts_ = 0;
+  std::int64_t statuses_ = 0;
+  std::array<std::int64_t, 4> by_status_{};
+  std::array<double, kLatencies> latency_ms_{};
+  std::size_t latencies_ = 0;
+};
+
+}  // namespace waymark

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/base/priority_mutex.h"
+#include "locd/frames/frame_synchronizer.h"
+#include "locd/record/recording_folder.h"
+
+namespace waymark {
+
+/// How frame sets are recorded.
+struct RecorderOptions {
+  bool jpeg = false;
+  int jpeg_quality = 95;  ///< 1…100
+  int every_nth = 1;
+  RecordingBudget budget;
+  /// Added to stamps in names: wall clock minus CLOCK_MONOTONIC when the recording began.
+  Stamp name_offset{0};
+  /// Pixels of each camera's image, so that memory is there before the first set comes.
+  std::vector<std::size_t> pixels;
+};
+
+/// Turns frame sets back into captures, in a thread and with memory of its own: whatever touches
+/// the disk happens there, the folder's making and the last sync included. Whoever offers sets pays
+/// one copy of the pixels and never waits: when all memory is under way to the disk, the set is
+/// dropped and counted.
+class Recorder {
+ public:
+  /// Sets under way at most: what a disk that stalls for a tenth of a second holds up at 30 Hz.
+  static constexpr std::size_t kSlots = 4;
+  static constexpr Stamp kSyncPeriod = std::chrono::seconds(1);
+
+  Recorder() = default;
+  /// Ends the recording and waits for it.
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  enum class Phase { idle, starting, recording, stopping };
+
+  /// Has a recording begin in `folder`, or, where that is empty, in a new one of the facts'
+  /// archive; state() tells when it did, or why not. Only when idle.
+  void start(const std::filesystem::path& folder, const RecordingFacts& facts,
+             const RecorderOptions& options);
+  /// Has it end, with all that was taken on the disk; state() tells when.
+  void stop();
+  /// What the recording may take from its next set on.
+  void set_budget(const RecordingBudget& budget);
+  /// Waits while it starts or stops; false when it still does at `deadline`.
+  [[nodiscard]] bool settle(Stamp deadline) const;
+
+  /// Takes every nth set's images; without a recording, nothing happens. Any one thread.
+  void offer(const FrameSetLease& set);
+
+  struct State {
+    Phase phase = Phase::idle;
+    std::filesystem::path folder;  ///< of the last recording; empty when it did not begin
+    std::uint64_t begun = 0;       ///< recordings since the start of the program
+    std::uint64_t sets = 0;        ///< in the folder
+    std::uint64_t bytes = 0;       ///< in the folder
+    std::uint64_t drops = 0;       ///< sets not taken since the start of the program
+    std::optional<Error> failure;  ///< that ended the last recording, or kept it from beginning
+    /// Whether the folder still grows.
+    [[nodiscard]] bool running() const { return phase != Phase::idle && !folder.empty(); }
+  };
+  [[nodiscard]] State state() const;
+
+ private:
+  struct Image {
+    FrameInfo info;
+    int width_px = 0;
+    int height_px = 0;
+    std::vector<std::uint8_t> pixels;  ///< rows without padding
+  };
+  struct Slot {
+    CameraMask cameras = 0;
+    std::vector<Image> images;  ///< per camera
+  };
+
+  /// The thread, from a recording's beginning to its end.
+  void run(const std::filesystem::path& folder, const RecordingFacts& facts);
+  void begin(const RecordingFolder& folder, std::size_t cameras);
+  [[nodiscard]] Status record(RecordingFolder& folder);
+  void end(const Status& how);
+  /// The next set to write: nullopt when a sync is due or, as `done` tells, none will come.
+  [[nodiscard]] std::optional<std::size_t> next_filled_slot(Stamp sync_due, bool& done);
+  [[nodiscard]] Status write(RecordingFolder& folder, const Slot& slot);
+  void adopt_next_budget(RecordingFolder& folder);
+  [[nodiscard]] std::optional<std::size_t> take_free_slot();
+  static void copy(const FrameSetLease& set, Slot& slot);
+
+  RecorderOptions options_;
+  mutable PriorityMutex mutex_;  ///< of everything below but the slots' content
+  mutable PriorityCondition changed_;
+  std::vector<Slot> slots_;
+  std::vector<std::size_t> free_;
+  std::vector<std::size_t> filled_;  ///< oldest first; never longer than its capacity
+  std::optional<RecordingBudget> next_budget_;
+  bool stopping_ = false;
+  std::uint64_t offered_ = 0;
+  State state_;
+  std::vector<std::string> encoded_;  ///< the recorder's thread only
+  std::thread thread_;
+};
+
+}  // namespace waymark

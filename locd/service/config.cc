@@ -1,0 +1,268 @@
+#include "locd/service/config.h"
+
+#include <algorithm>
+#include <array>
+
+#include "core/base/text_field.h"
+#include "core/base/toml_fields.h"
+
+namespace waymark {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One locd.toml, block by block; the first error of any block wins.
+class ConfigReader {
+ public:
+  ConfigReader(const toml::table& root, const fs::path& name)
+      : root_(root), name_(name.string()), folder_(name.parent_path()) {}
+
+  Expected<Config> read() {
+    TomlFields blocks(root_, name_, ErrorKind::config);
+    read_map(blocks.table("map"));
+    read_rig(blocks.table("rig"));
+    for (const toml::table* camera : blocks.tables("camera")) read_camera(*camera);
+    read_sync(blocks.table("sync"));
+    read_solve(blocks.table("solve"));
+    read_lcm(blocks.table("lcm"));
+    read_record(blocks.table("record"));
+    read_service(blocks.table("service"));
+    if (config_.rig.camchain.empty()) blocks.reject("[rig] camchain is missing");
+    if (config_.cameras.empty()) blocks.reject("there is no [[camera]] block");
+    keep(blocks.finish());
+    if (first_error_) return tl::make_unexpected(*first_error_);
+    return config_;
+  }
+
+ private:
+  void keep(const Status& status) {
+    if (!status && !first_error_) first_error_ = status.error();
+  }
+
+  /// Runs `read` on the block's fields, where the block is there.
+  template <typename Read>
+  void in_block(const toml::table* table, const Read& read) {
+    if (table == nullptr) return;
+    TomlFields fields(*table, name_, ErrorKind::config);
+    read(fields);
+    keep(fields.finish());
+  }
+
+  fs::path file(TomlFields& fields, std::string_view key, const fs::path& fallback) {
+    const fs::path named = fields.text(key, fallback.string());
+    return named.empty() || named.is_absolute() ? named : folder_ / named;
+  }
+
+  void read_map(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      config_.map = file(f, "path", {});
+      if (config_.map.empty()) f.reject("path is missing; leave [map] out to only record");
+    });
+  }
+
+  void read_rig(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      config_.rig.camchain = file(f, "camchain", {});
+      f.allow("base_from_rig");
+      const toml::node* matrix = f.has("base_from_rig") ? table->get("base_from_rig") : nullptr;
+      if (matrix != nullptr) read_base_from_rig(f, *matrix);
+    });
+  }
+
+  void read_base_from_rig(TomlFields& fields, const toml::node& node) {
+    Eigen::Matrix4d matrix = Eigen::Matrix4d::Constant(std::numeric_limits<double>::quiet_NaN());
+    const toml::array* rows = node.as_array();
+    for (std::size_t r = 0; rows != nullptr && r < rows->size() && r < 4; ++r) {
+      const toml::array* row = rows->get(r)->as_array();
+      for (std::size_t c = 0; row != nullptr && row->size() == 4 && c < 4; ++c) {
+        matrix(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) =
+            row->get(c)->value<double>().value_or(std::numeric_limits<double>::quiet_NaN());
+      }
+    }
+    const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+    const bool rigid =
+        rows != nullptr && rows->size() == 4 && matrix.allFinite() &&
+        (matrix.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).norm() < 1e-9 &&
+        (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <=
+            1e-3 &&
+        rotation.determinant() > 0;
+    if (!rigid) {
+      fields.reject("base_from_rig",
+                    "base_from_rig must be 4 rows of 4 numbers: a rotation, a "
+                    "translation in m, and 0 0 0 1 below");
+      return;
+    }
+    config_.rig.base_from_rig = {Eigen::Quaterniond(rotation).normalized(),
+                                 matrix.topRightCorner<3, 1>()};
+  }
+
+  void read_camera(const toml::table& table) {
+    in_block(&table, [&](TomlFields& f) {
+      Config::Camera camera;
+      camera.name = f.text("name");
+      camera.driver =
+          static_cast<CameraDriver>(f.choice("driver", {"v4l2", "libcamera", "replay"}));
+      camera.device = f.text("device");
+      if (camera.driver == CameraDriver::replay) camera.device = (folder_ / camera.device).string();
+      camera.format = f.text("format", "");
+      camera.fps = f.number("fps", 0, 1000, 0.0);
+      camera.exposure_us = optional_number(f, "exposure_us", 1, 1e6);
+      camera.gain = optional_number(f, "gain", 0, 1e6);
+      camera.readout_us = optional_number(f, "readout_us", 0, 1e6);
+      camera.stamp_delay_us = f.number("stamp_delay_us", -1e6, 1e6, 0.0);
+      camera.white_balance_k = optional_number(f, "white_balance_k", 1000, 20'000);
+      camera.focus = optional_number(f, "focus", 0, 1e6);
+      read_power_line(f, camera);
+      const auto same_name = [&](const auto& other) { return other.name == camera.name; };
+      if (std::any_of(config_.cameras.begin(), config_.cameras.end(), same_name)) {
+        f.reject("name", fmt::format("{} is named twice", camera.name));
+      }
+      const auto same_device = [&](const auto& other) {
+        return camera.driver != CameraDriver::replay && other.driver == camera.driver &&
+               other.device == camera.device;
+      };
+      if (std::any_of(config_.cameras.begin(), config_.cameras.end(), same_device)) {
+        f.reject("device", fmt::format("{} is another camera's already", camera.device));
+      }
+      config_.cameras.push_back(camera);
+    });
+  }
+
+  static void read_power_line(TomlFields& fields, Config::Camera& camera) {
+    const auto hz = optional_number(fields, "power_line_hz", 0, 60);
+    if (!hz) return;
+    if (*hz != 0 && *hz != 50 && *hz != 60) {
+      fields.reject("power_line_hz", "power_line_hz must be 0 (off), 50 or 60");
+    }
+    camera.power_line_hz = static_cast<int>(*hz);
+  }
+
+  static std::optional<double> optional_number(TomlFields& fields, std::string_view key, double low,
+                                               double high) {
+    if (fields.has(key)) return fields.number(key, low, high);
+    fields.allow(key);
+    return std::nullopt;
+  }
+
+  void read_sync(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      Config::Sync& sync = config_.sync;
+      sync.triggered = f.choice("mode", {"triggered", "free"}, 0) == 0;
+      sync.tolerance_us = f.number("tolerance_us", 1, 1e6, sync.tolerance_us);
+      sync.deadline_ms = f.number("deadline_ms", 1, 10'000, sync.deadline_ms);
+      sync.min_cameras = f.integer("min_cameras", 1, 16, sync.min_cameras);
+    });
+  }
+
+  void read_solve(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      Config::Solve& solve = config_.solve;
+      solve.time_budget_ms = f.number("time_budget_ms", 1, 60'000, solve.time_budget_ms);
+      solve.ok_sigma_m = f.number("ok_sigma_m", 1e-4, 10, solve.ok_sigma_m);
+      solve.ok_sigma_deg = f.number("ok_sigma_deg", 1e-3, 90, solve.ok_sigma_deg);
+      solve.v_max_mps = f.number("v_max_mps", 0.01, 100, solve.v_max_mps);
+      solve.w_max_dps = f.number("w_max_dps", 0.1, 10'000, solve.w_max_dps);
+      solve.prior_max_age_s = f.number("prior_max_age_s", 0, 60, solve.prior_max_age_s);
+    });
+  }
+
+  void read_lcm(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      LcmOptions& lcm = config_.lcm;
+      lcm.url = f.text("url", lcm.url);
+      lcm.channel_prefix = f.text("channel_prefix", lcm.channel_prefix);
+      lcm.detections = f.boolean("detections", lcm.detections);
+      if (const auto ttl = lcm_ttl(lcm.url); !ttl) f.reject("url", ttl.error().message);
+      // LCM's channel names end at 63 characters; the longest suffix is "_DETECTIONS".
+      if (lcm.channel_prefix.empty() || lcm.channel_prefix.size() > 50) {
+        f.reject("channel_prefix", "channel_prefix must have 1 to 50 characters");
+      }
+    });
+  }
+
+  void read_record(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      Config::Record& record = config_.record;
+      record.dir = file(f, "dir", record.dir);
+      record.jpeg = f.choice("codec", {"pgm", "jpeg"}, 0) == 1;
+      record.every_nth = f.integer("every_nth", 1, 1'000'000, record.every_nth);
+      record.max_bytes = bytes(f, "max_bytes", 1e6, record.max_bytes);
+      record.keep_s = f.number("keep_s", 1, 1e9, record.keep_s);
+      record.min_free_bytes = bytes(f, "min_free_bytes", 0, record.min_free_bytes);
+      record.markers = file(f, "markers", {});
+    });
+  }
+
+  static std::uint64_t bytes(TomlFields& fields, std::string_view key, double low,
+                             std::uint64_t fallback) {
+    return static_cast<std::uint64_t>(fields.number(key, low, 1e15, static_cast<double>(fallback)));
+  }
+
+  void read_service(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      Config::Service& service = config_.service;
+      service.startup_wait_s = f.number("startup_wait_s", 0, 3600, service.startup_wait_s);
+      service.realtime = f.boolean("realtime", service.realtime);
+      service.lock_memory = f.boolean("lock_memory", service.lock_memory);
+    });
+  }
+
+  const toml::table& root_;
+  std::string name_;
+  fs::path folder_;
+  Config config_;
+  std::optional<Error> first_error_;
+};
+
+}  // namespace
+
+Expected<Config> parse_config(std::string_view text, const fs::path& name) {
+  const auto table = parse_toml(text, name.string(), ErrorKind::config);
+  if (!table) return tl::make_unexpected(table.error());
+  return ConfigReader(*table, name).read();
+}
+
+Expected<Config> read_config(const fs::path& path) {
+  const auto table = read_toml(path, ErrorKind::config);
+  if (!table) return tl::make_unexpected(table.error());
+  return ConfigReader(*table, path).read();
+}
+
+std::optional<std::string> key_that_needs_restart(const Config& now, const Config& next) {
+  if (now.map.empty() != next.map.empty()) return "[map]";
+  if (now.rig.camchain != next.rig.camchain) return "[rig] camchain";
+  const Rigid3& base = now.rig.base_from_rig;
+  if (next.rig.base_from_rig.minus(base).norm() > 0) return "[rig] base_from_rig";
+  if (now.cameras.size() != next.cameras.size()) return "[[camera]]";
+  for (std::size_t i = 0; i < now.cameras.size(); ++i) {
+    if (now.cameras[i] != next.cameras[i]) {
+      return fmt::format("[[camera]] of {}", now.cameras[i].name);
+    }
+  }
+  if (now.sync != next.sync) return "[sync]";
+  if (now.lcm.url != next.lcm.url) return "[lcm] url";
+  if (now.lcm != next.lcm) return "[lcm]";
+  if (now.service != next.service) return "[service]";
+  return std::nullopt;
+}
+
+Expected<int> lcm_ttl(const std::string& url) {
+  constexpr std::array<std::string_view, 3> kProviders{"udpm://", "memq://", "file://"};
+  const auto begins = [&](std::string_view provider) { return url.starts_with(provider); };
+  if (std::none_of(kProviders.begin(), kProviders.end(), begins)) {
+    return fail(ErrorKind::config, "url \"{}\" must begin with {}", url,
+                fmt::join(kProviders, ", "));
+  }
+  const auto options = url.find('?');
+  const auto key = options == std::string::npos ? options : url.find("ttl=", options);
+  if (key == std::string::npos) return 0;
+  std::string_view value = std::string_view(url).substr(key + 4);
+  value = value.substr(0, value.find('&'));
+  const auto ttl = parse_whole<int>(value);
+  if (!ttl || *ttl < 0 || *ttl > 255) {
+    return fail(ErrorKind::config, "url \"{}\": ttl must be a whole number from 0 to 255", url);
+  }
+  return *ttl;
+}
+
+}  // namespace waymark

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/base/error.h"
+#include "drivers/frame_source.h"
+#include "locd/publish/telemetry.h"
+#include "locd/service/setup.h"
+
+namespace waymark {
+
+/// `locd --config`.
+struct DaemonOptions {
+  std::filesystem::path config;
+  std::optional<std::filesystem::path> record;  ///< --record: recorded from the start, here
+  std::string version;
+  /// Where the control socket and the lock are: RUNTIME_DIRECTORY as systemd sets it, or /run/locd.
+  std::filesystem::path runtime_folder;
+  /// Where the quarantine is: STATE_DIRECTORY, or /var/lib/locd.
+  std::filesystem::path state_folder;
+};
+
+/// The options' folders from the environment.
+[[nodiscard]] DaemonOptions options_from_environment();
+
+/// locd: cameras → frame set → detections → pose → LCM. Camera threads and the localization thread
+/// do that; the thread that calls turn() does everything else: heartbeat, status, alerts, requests,
+/// reloads, the watchdog.
+class Daemon {
+ public:
+  /// A source per camera of the setup's rig. Starts nothing yet.
+  Daemon(DaemonOptions options, Setup setup, std::vector<std::unique_ptr<FrameSource>> sources);
+  ~Daemon();
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+
+  /// Opens the control socket, restores the quarantine, starts the threads.
+  [[nodiscard]] Status start();
+  /// What is due at `now` besides poses; call it every 100 ms or sooner.
+  void turn(Stamp now);
+  /// Reads the configuration again and swaps map, tunables and recording budget, or refuses it
+  /// whole.
+  void reload();
+  /// Ends the threads, with all that was recorded on the disk. unavailable, naming what does not
+  /// return (a camera's driver, the disk), when that takes longer than `patience`: until a later
+  /// call succeeds the object must not be destroyed, but the process may end without.
+  [[nodiscard]] Status stop(Stamp patience);
+
+  /// Video devices have come: cameras that are absent are tried at once.
+  void devices_came();
+  /// Before the service is ready: why no start can go well with this configuration. A camera that
+  /// is only absent is no reason.
+  [[nodiscard]] const std::optional<Error>& refusal() const;
+
+  /// What a waiting service loop may watch for requests; −1 before start.
+  [[nodiscard]] int control_descriptor() const;
+  [[nodiscard]] Telemetry& telemetry();
+
+ private:
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace waymark

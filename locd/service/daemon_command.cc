@@ -1,0 +1,142 @@
+#include "locd/service/daemon_command.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <iostream>
+
+#include "drivers/device_monitor.h"
+#include "drivers/monotonic_clock.h"
+#include "locd/frames/realtime.h"
+#include "locd/record/recorder.h"
+#include "locd/service/camera_check.h"
+#include "locd/service/camera_sources.h"
+#include "locd/service/instance_lock.h"
+
+namespace waymark {
+namespace {
+
+constexpr Stamp kTurn = std::chrono::milliseconds(100);
+/// SIGTERM ends in a second, whatever drivers do.
+constexpr Stamp kStopPatience = std::chrono::milliseconds(700);
+
+/// Signals as a descriptor to poll; every thread that starts after this inherits the blocking.
+int signals_as_descriptor() {
+  sigset_t wanted;
+  sigemptyset(&wanted);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
+  ::pthread_sigmask(SIG_BLOCK, &wanted, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+  return ::signalfd(-1, &wanted, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+std::filesystem::path lock_file(const DaemonOptions& options) {
+  return options.runtime_folder / "locd.pid";
+}
+
+/// nullopt, with a note, where the system does not tell of devices.
+std::optional<DeviceMonitor> open_device_monitor() {
+  auto monitor = DeviceMonitor::open();
+  if (monitor) return std::move(*monitor);
+  fmt::print(stderr, "note: {}\n", monitor.error().message);
+  return std::nullopt;
+}
+
+/// What detecting markers in all of the rig's images takes (bytes): OpenCV's own images and lists,
+/// measured at 9 to 11 bytes a pixel of a set, and some room; and what a recording takes, its sets
+/// under way and one encoded.
+std::size_t heap_needed(const Rig& rig) {
+  constexpr std::size_t kBytesPerPixel = 13 + Recorder::kSlots + 1;
+  std::size_t pixels = 0;
+  for (const RigCamera& camera : rig.cameras) {
+    const CameraParameters& size = camera.model.parameters();
+    pixels += static_cast<std::size_t>(size.width_px) * static_cast<std::size_t>(size.height_px);
+  }
+  return kBytesPerPixel * pixels;
+}
+
+/// Ends the threads and gives back the exit code; the process, where something does not return.
+int end(Daemon& daemon, int code) {
+  const Status ended = daemon.stop(kStopPatience);
+  if (ended) return code;
+  fmt::print(stderr, "locd: {}\n", ended.error().message);
+  std::fflush(nullptr);
+  std::_Exit(code);
+}
+
+int report_failure(const Error& error) {
+  fmt::print(stderr, "locd: {}\n", error.message);
+  return error.exit_code();
+}
+
+/// Tells the daemon of devices that have come. A monitor that fails is closed, and that is said.
+void hear(std::optional<DeviceMonitor>& monitor, Daemon& daemon) {
+  const auto came = monitor->device_came();
+  if (came && *came) daemon.devices_came();
+  if (came) return;
+  fmt::print(stderr, "note: {}\n", came.error().message);
+  monitor.reset();
+}
+
+/// Turns until a signal, or a camera that can't be meant, ends it; at once when somebody comes with
+/// a request.
+Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor) {
+  for (Stamp due = monotonic_now();; due += kTurn) {
+    daemon.turn(monotonic_now());
+    if (daemon.refusal()) return tl::make_unexpected(*daemon.refusal());
+    for (Stamp left = due + kTurn - monotonic_now(); left > Stamp{0};
+         left = due + kTurn - monotonic_now()) {
+      pollfd watched[] = {{signals, POLLIN, 0},
+                          {daemon.control_descriptor(), POLLIN, 0},
+                          {monitor ? monitor->descriptor() : -1, POLLIN, 0}};
+      const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
+      if (::poll(watched, 3, static_cast<int>(left_ms)) <= 0) continue;
+      if (watched[1].revents != 0) due = monotonic_now() - kTurn;
+      if (watched[2].revents != 0) hear(monitor, daemon);
+      signalfd_siginfo signal{};
+      while (::read(signals, &signal, sizeof signal) == sizeof signal) {
+        if (signal.ssi_signo != SIGHUP) return {};
+        daemon.reload();
+      }
+    }
+  }
+}
+
+}  // namespace
+
+int run_daemon(const DaemonOptions& options) {
+  const int signals = signals_as_descriptor();
+  auto setup = load_setup(options.config);
+  if (!setup) return report_failure(setup.error());
+  const auto lock = InstanceLock::take(lock_file(options));
+  if (!lock) return report_failure(lock.error());
+  keep_heap(heap_needed(setup->rig));
+  auto sources = make_sources(*setup);
+  if (!sources) return report_failure(sources.error());
+  auto daemon = std::make_unique<Daemon>(options, std::move(*setup), std::move(*sources));
+  if (auto started = daemon->start(); !started)
+    return end(*daemon, report_failure(started.error()));
+  auto monitor = open_device_monitor();
+  const Status served = serve(*daemon, signals, monitor);
+  return end(*daemon, served ? 0 : report_failure(served.error()));
+}
+
+Status check_configuration(const DaemonOptions& options) {
+  const auto setup = load_setup(options.config);
+  if (!setup) return tl::make_unexpected(setup.error());
+  const auto sources = make_sources(*setup);
+  if (!sources) return tl::make_unexpected(sources.error());
+  for (const std::string& note : setup->notes) fmt::print(stderr, "note: {}\n", note);
+  const auto owner = InstanceLock::holder(lock_file(options));
+  if (auto checked = check_cameras(*sources, owner, std::cout); !checked) return checked;
+  fmt::print("{}: {} cameras, {} markers{}; all is well\n", options.config.string(),
+             setup->rig.cameras.size(), setup->map ? setup->map->submaps.front().markers.size() : 0,
+             setup->map ? ", map " + setup->map_hash : std::string(", no map"));
+  return {};
+}
+
+}  // namespace waymark

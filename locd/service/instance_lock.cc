@@ -1,0 +1,58 @@
+#include "locd/service/instance_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <string>
+#include <system_error>
+
+#include "core/base/system_call.h"
+#include "core/base/text_field.h"
+
+namespace waymark {
+namespace {
+
+/// What the holder wrote: its pid.
+std::string pid_in(int descriptor) {
+  std::array<char, 32> text{};
+  const ssize_t got = ::pread(descriptor, text.data(), text.size() - 1, 0);
+  std::string pid(text.data(), got > 0 ? static_cast<std::size_t>(got) : 0);
+  while (!pid.empty() && pid.back() == '\n') pid.pop_back();
+  return pid.empty() ? "unknown" : pid;
+}
+
+}  // namespace
+
+Expected<InstanceLock> InstanceLock::take(const std::filesystem::path& file) {
+  std::error_code ignored;  // the open below says what is wrong
+  std::filesystem::create_directories(file.parent_path(), ignored);
+  Descriptor opened(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
+  if (!opened.valid()) {
+    return fail(creation_error(),
+                "{}: can't create: {}; run as the service does, or set RUNTIME_DIRECTORY",
+                file.string(), system_reason());
+  }
+  if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+    return fail(ErrorKind::unavailable,
+                "{}: another locd is running, with pid {}; stop it before starting another",
+                file.string(), pid_in(opened.get()));
+  }
+  const std::string pid = std::to_string(::getpid()) + "\n";
+  if (::ftruncate(opened.get(), 0) != 0 ||
+      ::pwrite(opened.get(), pid.data(), pid.size(), 0) != static_cast<ssize_t>(pid.size())) {
+    return fail(ErrorKind::io, "{}: can't write: {}", file.string(), system_reason());
+  }
+  return InstanceLock(std::move(opened));
+}
+
+std::optional<int> InstanceLock::holder(const std::filesystem::path& file) {
+  const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  // Whoever gets the lock, which ends with the descriptor, knows that nobody holds it.
+  if (!opened.valid() || ::flock(opened.get(), LOCK_SH | LOCK_NB) == 0) return std::nullopt;
+  return parse_whole<int>(pid_in(opened.get()));
+}
+
+}  // namespace waymark

@@ -1,0 +1,169 @@
+#include "locd/service/replay_command.h"
+
+#include <fmt/ostream.h>
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/atomic_file.h"
+#include "core/geometry/tum.h"
+#include "core/map/map_file.h"
+#include "drivers/monotonic_clock.h"
+#include "drivers/replay_source.h"
+#include "locd/frames/rig_capture.h"
+#include "locd/pose/localizer.h"
+#include "locd/pose/pose_table.h"
+
+namespace waymark {
+namespace {
+
+/// Reasons that say nothing against the pose being right within its covariance.
+constexpr ReasonBits kHarmless = bit(PoseReason::sigma) | bit(PoseReason::camera_missing) |
+                                 bit(PoseReason::no_velocity) | bit(PoseReason::skew) |
+                                 bit(PoseReason::unsynced);
+
+/// What becomes of the poses.
+class ReplayOutput {
+ public:
+  ReplayOutput(const ReplayCommandOptions& options, const ReplayCapture& capture,
+               const MarkerMap& map, std::ostream& notes)
+      : options_(options),
+        capture_(capture),
+        several_families_(map.several_families()),
+        notes_(notes) {
+    if (options.table) table_ = pose_table_head();
+  }
+
+  void take(const PoseEstimate& estimate, std::span<const Alert> alerts) {
+    ++by_status_.at(static_cast<std::size_t>(estimate.status));
+    if (options_.table) append_pose_table_row(estimate, capture_.shift(), table_);
+    if (options_.trajectory && estimate.has_pose() && estimate.status != PoseStatus::ambiguous &&
+        (estimate.reasons & ~kHarmless) == 0) {
+      trajectory_.push_back({format_stamp_s(estimate.set_stamp - capture_.shift()),
+                             estimate.world_from_rig_at(estimate.set_stamp)});
+    }
+    for (const Alert& alert : alerts) {
+      fmt::print(notes_, "set {}: {}\n", estimate.sequence,
+                 describe(alert, capture_.folder().rig, several_families_));
+    }
+  }
+
+  [[nodiscard]] Status finish(std::ostream& out) const {
+    if (options_.trajectory) {
+      const auto written = write_file_atomically(*options_.trajectory, format_tum(trajectory_));
+      if (!written) return written;
+    }
+    if (options_.table) {
+      if (auto written = write_file_atomically(*options_.table, table_); !written) return written;
+    }
+    fmt::print(out, "{} frame sets: {} OK, {} DEGRADED, {} AMBIGUOUS, {} LOST\n",
+               by_status_[0] + by_status_[1] + by_status_[2] + by_status_[3], by_status_[0],
+               by_status_[1], by_status_[2], by_status_[3]);
+    return {};
+  }
+
+ private:
+  const ReplayCommandOptions& options_;
+  const ReplayCapture& capture_;
+  bool several_families_;
+  std::ostream& notes_;
+  std::vector<TumPose> trajectory_;
+  std::string table_;
+  std::array<std::size_t, 4> by_status_{};
+};
+
+SyncOptions sync_options(const CaptureFolder& folder) {
+  SyncOptions options;
+  options.tolerance = folder.sync_tolerance;
+  return options;
+}
+
+using TakeSet = std::function<void(FrameSetLease&)>;
+
+/// Every set, in the order of stamps, which are the only clock.
+void play_all(const std::shared_ptr<ReplayCapture>& capture, const std::atomic<bool>& stop,
+              const TakeSet& take_set) {
+  auto sources = ReplayCapture::sources(capture);
+  SyncOptions options = sync_options(capture->folder());
+  options.deadline = options.tolerance + Stamp(1);
+  options.leave_after_sets = 0;
+  FrameSynchronizer synchronizer(sources.size(), options);
+  std::vector<std::optional<Frame>> next(sources.size());
+  const auto fetch = [&](std::size_t c) {
+    next[c].reset();
+    // A replay that is not in real time neither waits nor fails.
+    if (auto frame = sources[c]->next(Stamp::max()); frame && *frame) next[c] = std::move(**frame);
+  };
+  const auto take_ready = [&](Stamp now) {
+    while (auto set = synchronizer.take(now)) take_set(*set);
+  };
+  for (std::size_t c = 0; c < sources.size(); ++c) {
+    if (sources[c]->start()) fetch(c);
+  }
+  while (!stop) {
+    std::optional<std::size_t> earliest;
+    for (std::size_t c = 0; c < next.size(); ++c) {
+      if (next[c] && (!earliest || next[c]->stamp() < next[*earliest]->stamp())) earliest = c;
+    }
+    if (!earliest) break;
+    const Stamp now = next[*earliest]->stamp();
+    take_ready(now);
+    synchronizer.push(*earliest, std::move(*next[*earliest]), now);
+    fetch(*earliest);
+    take_ready(now);
+  }
+  if (!stop) take_ready(Stamp::max());
+}
+
+/// At the capture's own pace: what comes too late for the solver is dropped, as from cameras.
+void play_in_real_time(const std::shared_ptr<ReplayCapture>& capture, const std::atomic<bool>& stop,
+                       const TakeSet& take_set) {
+  constexpr Stamp kLookAtStop = std::chrono::milliseconds(100);
+  RigCapture rig(ReplayCapture::sources(capture), sync_options(capture->folder()));
+  rig.start();
+  while (!stop && !rig.ended()) {
+    if (auto set = rig.wait(monotonic_now() + kLookAtStop)) take_set(*set);
+  }
+  rig.stop();
+}
+
+Status check_rig(const CaptureFolder& folder) {
+  if (folder.rig.cameras.size() <= kMaxCameras) return {};
+  return fail(ErrorKind::bad_data, "{}: {} cameras; locd takes at most {}", folder.path.string(),
+              folder.rig.cameras.size(), kMaxCameras);
+}
+
+}  // namespace
+
+Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& stop,
+                  std::ostream& out, std::ostream& notes) {
+  const auto map = read_map_file(options.map);
+  if (!map) return tl::make_unexpected(map.error());
+  ReplayOptions replay;
+  replay.realtime = options.realtime;
+  replay.loop = options.loop;
+  replay.detections = !options.redetect;
+  auto capture = ReplayCapture::open(options.capture, replay);
+  if (!capture) return tl::make_unexpected(capture.error());
+  const CaptureFolder& folder = (*capture)->folder();
+  if (auto checked = check_rig(folder); !checked) return checked;
+  for (const std::string& note : folder.notes) fmt::print(notes, "note: {}\n", note);
+  if (map->submaps.size() > 1) {
+    fmt::print(notes, "note: {} holds {} sub-maps; poses are in the first, the largest\n",
+               options.map.string(), map->submaps.size());
+  }
+
+  Localizer localizer(folder.rig, *map, LocalizerOptions{});
+  PoseEstimate estimate;
+  ReplayOutput output(options, **capture, *map, notes);
+  const TakeSet take_set = [&](FrameSetLease& set) {
+    localizer.localize(set, estimate);
+    output.take(estimate, localizer.alerts());
+  };
+  (options.realtime ? play_in_real_time : play_all)(*capture, stop, take_set);
+  return output.finish(out);
+}
+
+}  // namespace waymark

@@ -1,0 +1,29 @@
+#include "locd/service/service_log.h"
+
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdlib>
+
+namespace waymark {
+
+ServiceLog::ServiceLog()
+    : logger_(std::make_shared<spdlog::logger>("locd",
+                                               std::make_shared<spdlog::sinks::stderr_sink_mt>())) {
+  // The journal stamps lines itself.
+  const bool in_journal = std::getenv("JOURNAL_STREAM") != nullptr;
+  logger_->set_pattern(in_journal ? "%l: %v" : "%Y-%m-%d %H:%M:%S.%e %l: %v");
+  logger_->flush_on(spdlog::level::info);
+}
+
+void ServiceLog::note(const std::string& text) { logger_->info("{}", text); }
+
+void ServiceLog::event(const std::string& what, const std::string& text, Stamp now) {
+  if (limiter_.admit(what, now)) logger_->warn("{}", text);
+}
+
+void ServiceLog::summarize(Stamp now) {
+  if (const auto line = limiter_.summary(now)) logger_->warn("{}", *line);
+}
+
+}  // namespace waymark

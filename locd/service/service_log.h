@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "locd/service/log_limiter.h"
+
+namespace spdlog {
+class logger;
+}
+
+namespace waymark {
+
+/// The service's log on stderr, where systemd's journal takes it: notes once, events limited.
+class ServiceLog {
+ public:
+  ServiceLog();
+
+  /// A line that is never held back: start, reload, end.
+  void note(const std::string& text);
+  /// A line for the first time of `what`, a part of a summary for the following ones.
+  void event(const std::string& what, const std::string& text, Stamp now);
+  /// Writes the minute's summary, when it is due.
+  void summarize(Stamp now);
+
+ private:
+  LogLimiter limiter_;
+  std::shared_ptr<spdlog::logger> logger_;
+};
+
+}  // namespace waymark

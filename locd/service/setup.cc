@@ -1,0 +1,175 @@
+#include "locd/service/setup.h"
+
+#include <algorithm>
+#include <map>
+#include <numbers>
+
+#include "core/base/atomic_file.h"
+#include "core/camera/kalibr.h"
+#include "core/map/map_file.h"
+#include "core/marker/marker_catalog.h"
+
+namespace waymark {
+namespace {
+
+constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+
+/// Brings the configuration's cameras into the rig's order.
+Status match_cameras(Setup& setup) {
+  const std::string rig_file = setup.config.rig.camchain.string();
+  std::vector<Config::Camera> by_rig;
+  for (RigCamera& camera : setup.rig.cameras) {
+    const auto& configured = setup.config.cameras;
+    const auto found = std::find_if(configured.begin(), configured.end(),
+                                    [&](const auto& c) { return c.name == camera.name; });
+    if (found == configured.end()) {
+      return fail(ErrorKind::config, "{}: {} has no [[camera]] block in locd.toml; add one",
+                  rig_file, camera.name);
+    }
+    if (found->readout_us) camera.readout_us = found->readout_us;
+    by_rig.push_back(*found);
+  }
+  for (const Config::Camera& camera : setup.config.cameras) {
+    const auto in_rig = [&](const auto& c) { return c.name == camera.name; };
+    if (std::none_of(by_rig.begin(), by_rig.end(), in_rig)) {
+      return fail(ErrorKind::config, "[[camera]] {} is not in {}; its cameras are cam0 to cam{}",
+                  camera.name, rig_file, setup.rig.cameras.size() - 1);
+    }
+  }
+  setup.config.cameras = std::move(by_rig);
+  return {};
+}
+
+Status check_rig(const Setup& setup) {
+  const std::string name = setup.config.rig.camchain.string();
+  const std::size_t cameras = setup.rig.cameras.size();
+  if (cameras > kMaxCameras) {
+    return fail(ErrorKind::config, "{}: {} cameras; locd takes at most {}", name, cameras,
+                kMaxCameras);
+  }
+  if (cameras > 1 && !setup.rig.has_extrinsics) {
+    return fail(ErrorKind::config, "{}: {} cameras without transforms between them; add T_cn_cnm1",
+                name, cameras);
+  }
+  if (static_cast<std::size_t>(setup.config.sync.min_cameras) > cameras) {
+    return fail(ErrorKind::config, "[sync] min_cameras = {}, but the rig has {}",
+                setup.config.sync.min_cameras, cameras);
+  }
+  return {};
+}
+
+/// The catalog of what the map holds, each marker with its stated size.
+MarkerCatalog catalog_of(const MarkerMap& map) {
+  std::map<Family, MarkerCatalog::FamilyEntry> by_family;
+  for (const SubMap& submap : map.submaps) {
+    for (const MapMarker& marker : submap.markers) {
+      MarkerCatalog::FamilyEntry& entry = by_family[marker.id.family];
+      entry.family = marker.id.family;
+      entry.size_m_by_id[marker.id.number] = marker.stated_size_m;
+    }
+  }
+  std::vector<MarkerCatalog::FamilyEntry> entries;
+  for (auto& [family, entry] : by_family) entries.push_back(std::move(entry));
+  return MarkerCatalog(std::move(entries));
+}
+
+/// What a recording's markers.toml says: the configured file, else that of a replayed capture, else
+/// the markers of the map.
+Status find_markers(Setup& setup) {
+  const Config& config = setup.config;
+  std::filesystem::path file = config.record.markers;
+  const Config::Camera& camera = config.cameras.front();
+  if (file.empty() && camera.driver == CameraDriver::replay) {
+    file = std::filesystem::path(camera.device) / "markers.toml";
+  }
+  if (file.empty()) {
+    if (setup.map) setup.markers_toml = format_marker_catalog(catalog_of(*setup.map));
+    return {};
+  }
+  const auto catalog = read_marker_catalog(file);
+  if (!catalog) return tl::make_unexpected(catalog.error());
+  setup.markers_toml = format_marker_catalog(*catalog);
+  return {};
+}
+
+Status read_map(Setup& setup) {
+  const std::filesystem::path& path = setup.config.map;
+  if (path.empty()) {
+    setup.notes.emplace_back("no [map]: recording only, every pose is LOST");
+    return {};
+  }
+  auto map = read_map_file(path);
+  if (!map) return tl::make_unexpected(map.error());
+  setup.map_hash = content_hash(*map);
+  if (map->submaps.size() > 1) {
+    setup.notes.push_back(fmt::format("{} holds {} sub-maps; poses are in the first, the largest",
+                                      path.string(), map->submaps.size()));
+  }
+  const auto& markers = map->submaps.front().markers;
+  const auto unknown = std::count_if(markers.begin(), markers.end(),
+                                     [](const MapMarker& m) { return !m.covariance_known(); });
+  if (unknown > 0) {
+    setup.notes.push_back(fmt::format(
+        "{}: the uncertainty of {} of {} markers is unknown; no pose that rests on them will be OK",
+        path.string(), unknown, markers.size()));
+  }
+  setup.map = std::move(*map);
+  return {};
+}
+
+}  // namespace
+
+Expected<Setup> load_setup(const std::filesystem::path& path) {
+  auto config = read_config(path);
+  if (!config) return tl::make_unexpected(config.error());
+  Setup setup;
+  setup.config = std::move(*config);
+  auto rig = read_camchain(setup.config.rig.camchain);
+  if (!rig) return tl::make_unexpected(rig.error());
+  setup.rig = std::move(rig->rig);
+  setup.notes = std::move(rig->notes);
+  for (Status (*step)(Setup&) : {match_cameras, read_map, find_markers}) {
+    if (auto done = step(setup); !done) return tl::make_unexpected(done.error());
+  }
+  if (auto checked = check_rig(setup); !checked) return tl::make_unexpected(checked.error());
+  if (const int ttl = *lcm_ttl(setup.config.lcm.url); ttl > 0) {
+    setup.notes.push_back(fmt::format(
+        "[lcm] url has ttl={}: messages leave this machine, unencrypted and unauthenticated", ttl));
+  }
+  if (setup.markers_toml.empty()) {
+    setup.notes.emplace_back(
+        "no [record] markers: recordings need a markers.toml before mapbuilder reads them");
+  }
+  return setup;
+}
+
+bool same_rig(const Rig& a, const Rig& b) { return format_camchain(a) == format_camchain(b); }
+
+LocalizerOptions localizer_options(const Config& config) {
+  LocalizerOptions options;
+  options.triggered = config.sync.triggered;
+  options.prior_max_age_s = config.solve.prior_max_age_s;
+  options.gate.max_3sigma_m = config.solve.ok_sigma_m;
+  options.gate.max_3sigma_rad = config.solve.ok_sigma_deg * kRadiansPerDegree;
+  options.gate.v_max_mps = config.solve.v_max_mps;
+  options.gate.w_max_radps = config.solve.w_max_dps * kRadiansPerDegree;
+  return options;
+}
+
+SyncOptions sync_options(const Config& config) {
+  SyncOptions options;
+  options.tolerance = from_us(config.sync.tolerance_us);
+  options.deadline = from_us(config.sync.deadline_ms * 1e3);
+  options.min_cameras = config.sync.min_cameras;
+  return options;
+}
+
+std::vector<Stamp> stamp_delays(const Config& config) {
+  std::vector<Stamp> delays;
+  for (const Config::Camera& camera : config.cameras) {
+    delays.push_back(from_us(camera.stamp_delay_us));
+  }
+  return delays;
+}
+
+}  // namespace waymark

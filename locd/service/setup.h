@@ -1,0 +1,40 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/camera/rig.h"
+#include "core/map/marker_map.h"
+#include "locd/pose/localizer.h"
+#include "locd/service/config.h"
+
+namespace waymark {
+
+/// Everything that locd.toml names, read and found to fit together: what --check checks, what a
+/// start starts with and what a reload swaps in.
+struct Setup {
+  Config config;  ///< cameras by the rig's order
+  Rig rig;        ///< read-out times as the configuration has them
+  std::optional<MarkerMap> map;
+  std::string map_hash;            ///< content hash; empty without a map
+  std::string markers_toml;        ///< for recordings; empty when nothing tells families and sizes
+  std::vector<std::string> notes;  ///< what the user should know, one line each
+};
+
+/// Reads configuration, rig, map and replayed captures. Errors: those of the readers; config for
+/// [[camera]] blocks and rig cameras that don't match, more than kMaxCameras, several cameras
+/// without transforms.
+[[nodiscard]] Expected<Setup> load_setup(const std::filesystem::path& config);
+
+/// Whether two rigs are the same in everything that cameras and localization depend on.
+[[nodiscard]] bool same_rig(const Rig& a, const Rig& b);
+
+/// The configuration in the localizer's terms.
+[[nodiscard]] LocalizerOptions localizer_options(const Config& config);
+[[nodiscard]] SyncOptions sync_options(const Config& config);
+/// Per camera, what is taken off its stamps.
+[[nodiscard]] std::vector<Stamp> stamp_delays(const Config& config);
+
+}  // namespace waymark

@@ -1,0 +1,160 @@
+#include "mapbuilder/calibration/refinement_support.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace waymark {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+constexpr Eigen::Index kExtrinsics = 6;
+constexpr Eigen::Index kIntrinsics = 8;
+
+/// RMS over the image of the pixels' shift per change of principal point and lens: the symmetric
+/// root of mean JᵀJ.
+Matrix6d image_shift(const CameraModel& camera) {
+  constexpr int kSteps = 8;
+  const CameraParameters& p = camera.parameters();
+  Matrix6d sum = Matrix6d::Zero();
+  double count = 0;
+  for (int row = 0; row <= kSteps; ++row) {
+    for (int column = 0; column <= kSteps; ++column) {
+      const Eigen::Vector2d pixel(p.width_px * (column + 0.0) / kSteps,
+                                  p.height_px * (row + 0.0) / kSteps);
+      const auto bearing = camera.bearing(pixel);
+      IntrinsicsJacobian jacobian;
+      if (!bearing || !camera.project_with_jacobian(*bearing, &jacobian)) continue;
+      const auto part = jacobian.rightCols<6>();
+      sum += part.transpose() * part;
+      count += 1;
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(sum / std::max(1.0, count));
+  return eigen.operatorSqrt();
+}
+
+/// The rig file's numbers in units of the limits.
+Eigen::MatrixXd per_limit(const std::vector<RigCamera>& cameras, const RefinementLimits& limits) {
+  const auto count = static_cast<Eigen::Index>(cameras.size());
+  Eigen::MatrixXd scale = Eigen::MatrixXd::Zero((kExtrinsics + kIntrinsics) * count,
+                                                (kExtrinsics + kIntrinsics) * count);
+  for (Eigen::Index c = 0; c < count; ++c) {
+    const RigCamera& camera = cameras[static_cast<std::size_t>(c)];
+    const double fu_px = camera.model.parameters().fu_px;
+    const Eigen::Index extrinsics = kExtrinsics * c;
+    const Eigen::Index intrinsics = kExtrinsics * count + kIntrinsics * c;
+    scale.diagonal().segment<3>(extrinsics).setConstant(1.0 / limits.position_m);
+    scale.diagonal().segment<3>(extrinsics + 3).setConstant(1.0 / limits.rotation_rad);
+    scale.diagonal().segment<2>(intrinsics).setConstant(1.0 / (limits.focal * fu_px));
+    scale.block<6, 6>(intrinsics + 2, intrinsics + 2) =
+        image_shift(camera.model) / (limits.rotation_rad * fu_px);
+  }
+  return scale;
+}
+
+/// What the direction's largest part is, and how sure.
+std::string text_of(Eigen::Index row, double in_limits, const std::vector<RigCamera>& cameras,
+                    const RefinementLimits& limits) {
+  const auto count = static_cast<Eigen::Index>(cameras.size());
+  const bool of_extrinsics = row < kExtrinsics * count;
+  const Eigen::Index within = of_extrinsics ? row : row - kExtrinsics * count;
+  const Eigen::Index size = of_extrinsics ? kExtrinsics : kIntrinsics;
+  const std::string& name = cameras[static_cast<std::size_t>(within / size)].name;
+  const auto text = [&](const char* what, double allowed, const char* unit) {
+    return fmt::format(
+        "{}'s {} with what moves along: known to ± {:.2g} {} only, {:.2g} is asked for", name, what,
+        in_limits * allowed, unit, allowed);
+  };
+  if (of_extrinsics) {
+    return within % size < 3 ? text("position", 1e3 * limits.position_m, "mm")
+                             : text("orientation", kDegreesPerRadian * limits.rotation_rad, "°");
+  }
+  return within % size < 2 ? text("focal length", 100 * limits.focal, "%")
+                           : text("principal point and lens",
+                                  kDegreesPerRadian * limits.rotation_rad, "° of bearing");
+}
+
+/// Number of directions of extrinsics or of intrinsics that are free.
+Eigen::Index free_directions(const CalibrationUncertainty& sure, bool of_extrinsics) {
+  const auto cameras = static_cast<Eigen::Index>(sure.cameras.size());
+  const auto diagonal = sure.joint.diagonal();
+  return of_extrinsics ? (diagonal.head(kExtrinsics * cameras).array() > 0).count()
+                       : (diagonal.tail(kIntrinsics * cameras).array() > 0).count();
+}
+
+void refuse_when_too_much_is_unsure(const CalibrationUncertainty& sure,
+                                    const std::vector<UnsureDirection>& unsure, bool of_extrinsics,
+                                    const RefinementLimits& limits,
+                                    std::vector<std::string>& reasons) {
+  const auto alike = [&](const UnsureDirection& d) { return d.of_extrinsics == of_extrinsics; };
+  const auto count = std::count_if(unsure.begin(), unsure.end(), alike);
+  const Eigen::Index free = free_directions(sure, of_extrinsics);
+  const auto worst = std::find_if(unsure.rbegin(), unsure.rend(), alike);
+  if (count == 0 || (2 * count < free && worst->in_limits < limits.most_held)) return;
+  reasons.push_back(fmt::format("{}: {} of {} directions can't be told; {}",
+                                of_extrinsics ? "extrinsics" : "intrinsics", count, free,
+                                worst->text));
+}
+
+}  // namespace
+
+std::vector<UnsureDirection> unsure_directions(const CalibrationUncertainty& sure,
+                                               const std::vector<RigCamera>& stated_cameras,
+                                               const RefinementLimits& limits) {
+  std::vector<UnsureDirection> unsure;
+  if (sure.joint.size() == 0) return unsure;
+  const auto cameras = static_cast<Eigen::Index>(stated_cameras.size());
+  const Eigen::MatrixXd scale = per_limit(stated_cameras, limits);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale * sure.joint *
+                                                             scale.transpose());
+  for (Eigen::Index i = 0; i < scale.rows(); ++i) {
+    if (eigen.eigenvalues()[i] <= 1.0) continue;
+    const Eigen::VectorXd along = eigen.eigenvectors().col(i);
+    const Eigen::VectorXd weights = scale.transpose() * along;
+    UnsureDirection direction;
+    for (Eigen::Index c = 0; c < cameras; ++c) {
+      direction.hold.extrinsics.emplace_back(weights.segment<kExtrinsics>(kExtrinsics * c));
+      direction.hold.intrinsics.emplace_back(
+          weights.segment<kIntrinsics>(kExtrinsics * cameras + kIntrinsics * c));
+    }
+    direction.of_extrinsics = along.head(kExtrinsics * cameras).squaredNorm() > 0.5;
+    Eigen::Index most = 0;
+    along.cwiseAbs().maxCoeff(&most);
+    direction.in_limits = std::sqrt(eigen.eigenvalues()[i]);
+    direction.text = text_of(most, direction.in_limits, stated_cameras, limits);
+    unsure.push_back(std::move(direction));
+  }
+  return unsure;
+}
+
+std::vector<std::string> reasons_against(const FreeCalibration& asked,
+                                         const CalibrationUncertainty& sure,
+                                         const std::vector<UnsureDirection>& unsure,
+                                         const std::vector<Rig>& rigs,
+                                         const RefinementLimits& limits) {
+  std::vector<std::string> reasons;
+  const auto one_camera = [](const Rig& rig) { return rig.cameras.size() < 2; };
+  if (asked.extrinsics && std::all_of(rigs.begin(), rigs.end(), one_camera)) {
+    reasons.emplace_back("extrinsics: a rig of one camera has none");
+  }
+  if (asked.any() && sure.joint.size() == 0) {
+    reasons.emplace_back("some direction can't be told at all, whatever else is held");
+    return reasons;
+  }
+  if (asked.extrinsics) refuse_when_too_much_is_unsure(sure, unsure, true, limits, reasons);
+  if (asked.intrinsics) refuse_when_too_much_is_unsure(sure, unsure, false, limits, reasons);
+  const auto too_loose = [&](double sigma) { return !(sigma <= limits.size); };
+  const auto loose = std::find_if(sure.size_factor.begin(), sure.size_factor.end(), too_loose);
+  if (asked.sizes && loose != sure.size_factor.end()) {
+    reasons.push_back(fmt::format(
+        "sizes: known to ± {:.2g} % only, {:.2g} % is asked for: nothing but the stated "
+        "sizes tells the scale; measure a distance (survey.toml)",
+        100 * *loose, 100 * limits.size));
+  }
+  return reasons;
+}
+
+}  // namespace waymark

@@ -1,0 +1,146 @@
+#include "mapbuilder/observations/detect_capture.h"
+
+#include <atomic>
+#include <memory>
+#include <optional>
+
+#include "core/base/parallel.h"
+#include "core/capture/detections_csv.h"
+#include "core/capture/image_file.h"
+
+namespace waymark {
+namespace {
+
+/// One image's outcome.
+struct DetectedImage {
+  std::optional<FoundMarkers> found;
+  std::string warning;  ///< why there is none
+  bool orientation_ignored = false;
+  bool reduced_from_16_bit = false;
+};
+
+DetectedImage detect_image(const ImageFile& file, const CameraModel& camera,
+                           ImageDetector& detector) {
+  DetectedImage result;
+  auto loaded = read_gray_image(file.path);
+  if (!loaded) {
+    result.warning = loaded.error().message;
+    return result;
+  }
+  const CameraParameters& expected = camera.parameters();
+  const GrayImage& image = loaded->image;
+  if (image.width_px != expected.width_px || image.height_px != expected.height_px) {
+    result.warning = fmt::format(
+        "{}: the image is {}×{}, rig.yaml says {}×{}; images are never scaled: calibrate at this "
+        "size",
+        file.path.string(), image.width_px, image.height_px, expected.width_px, expected.height_px);
+    return result;
+  }
+  result.orientation_ignored = loaded->orientation_ignored;
+  result.reduced_from_16_bit = loaded->reduced_from_16_bit;
+  result.found = detector.detect(image.view(), camera);
+  return result;
+}
+
+Expected<DetectedCapture> from_images(const CaptureFolder& capture,
+                                      const DetectCaptureOptions& options, Progress& progress,
+                                      DetectionReport& report) {
+  if (auto status = check_found_in_images(capture.catalog, capture.path.string()); !status) {
+    return tl::make_unexpected(std::move(status.error()));
+  }
+  DetectedCapture detected{capture.path.string(),  capture.rig,      capture.catalog, {},
+                           capture.sync_tolerance, capture.monotonic};
+  std::size_t rotated = 0;
+  std::size_t deep = 0;
+  const int threads = effective_threads(options.threads);
+  // A batch at a time, so that progress can be shown from this thread.
+  const std::size_t batch = static_cast<std::size_t>(threads) * 4;
+  std::vector<std::unique_ptr<ImageDetector>> detectors;
+  for (int i = 0; i < threads; ++i) {
+    detectors.push_back(std::make_unique<ImageDetector>(capture.catalog));
+  }
+  progress.begin("detecting markers", capture.images.size());
+  for (std::size_t first = 0; first < capture.images.size(); first += batch) {
+    const std::size_t count = std::min(batch, capture.images.size() - first);
+    std::vector<DetectedImage> results(count);
+    std::atomic<std::size_t> next_detector{0};
+    parallel_for_with(
+        count, threads, [&] { return detectors[next_detector.fetch_add(1)].get(); },
+        [&](ImageDetector* detector, std::size_t i) {
+          const ImageFile& file = capture.images[first + i];
+          const auto camera = static_cast<std::size_t>(file.camera);
+          results[i] = detect_image(file, capture.rig.cameras[camera].model, *detector);
+        });
+    for (std::size_t i = 0; i < count; ++i) {
+      const ImageFile& file = capture.images[first + i];
+      ++report.images;
+      if (!results[i].found) {
+        ++report.unreadable;
+        report.warnings.push_back(results[i].warning + "; skipped");
+        continue;
+      }
+      rotated += results[i].orientation_ignored ? 1 : 0;
+      deep += results[i].reduced_from_16_bit ? 1 : 0;
+      report.counts += results[i].found->counts;
+      report.detections += results[i].found->detections.size();
+      detected.images.push_back({file.stamp, file.camera, std::move(results[i].found->detections)});
+    }
+    progress.update(first + count, fmt::format("{} markers", report.detections));
+  }
+  progress.end();
+  if (rotated > 0) {
+    report.warnings.push_back(fmt::format(
+        "{}: {} images ask for a rotation by EXIF; ignored, pixels are used as they are stored",
+        detected.name, rotated));
+  }
+  if (deep > 0) {
+    report.warnings.push_back(
+        fmt::format("{}: {} images have 16 bits; the upper 8 are used", detected.name, deep));
+  }
+  if (detected.images.empty()) {
+    return fail(ErrorKind::bad_data, "{}: none of {} images could be used; the first: {}",
+                detected.name, report.images,
+                report.warnings.empty() ? "there is none" : report.warnings.front());
+  }
+  return detected;
+}
+
+Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport& report) {
+  auto table = read_detections_csv(*capture.detections_csv, capture.rig, capture.catalog);
+  if (!table) return tl::make_unexpected(table.error());
+  const bool ours = table->detector.rfind("waymark-", 0) == 0;
+  if (ours && table->detector != detector_name()) {
+    return fail(ErrorKind::bad_data,
+                "{}: made by {}, this is {}: stale; run mapbuilder detect again, or remove it",
+                capture.detections_csv->string(), table->detector, detector_name());
+  }
+  report.from_csv = true;
+  report.images = table->images.size();
+  for (const ImageDetections& image : table->images) report.detections += image.detections.size();
+  if (table->unknown_markers > 0) {
+    report.warnings.push_back(
+        fmt::format("{}: {} rows left out, markers.toml ignores or lacks their ids",
+                    capture.detections_csv->string(), table->unknown_markers));
+  }
+  if (table->misordered > 0) {
+    report.warnings.push_back(
+        fmt::format("{}: {} rows left out, their corners do not run clockwise from top-left",
+                    capture.detections_csv->string(), table->misordered));
+  }
+  return DetectedCapture{capture.path.string(),  capture.rig,
+                         capture.catalog,        std::move(table->images),
+                         capture.sync_tolerance, capture.monotonic};
+}
+
+}  // namespace
+
+std::string detector_name() { return "waymark-1"; }
+
+Expected<DetectedCapture> detect_capture(const CaptureFolder& capture,
+                                         const DetectCaptureOptions& options, Progress& progress,
+                                         DetectionReport& report) {
+  if (capture.detections_csv && !options.redetect) return from_csv(capture, report);
+  return from_images(capture, options, progress, report);
+}
+
+}  // namespace waymark

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "core/capture/capture_folder.h"
+#include "core/detect/image_detector.h"
+#include "mapbuilder/observations/observation_table.h"
+
+namespace waymark {
+
+/// Where detections come from.
+struct DetectCaptureOptions {
+  bool redetect = false;  ///< detect in the images even where detections.csv lies beside them
+  int threads = 0;        ///< 0 = all processors; never changes the result
+};
+
+/// What happened to a capture's images.
+struct DetectionReport {
+  bool from_csv = false;
+  std::size_t images = 0;      ///< seen, whether or not something was found in them
+  std::size_t unreadable = 0;  ///< skipped: damaged, or of another size than rig.yaml says
+  std::size_t detections = 0;
+  DetectionCounts counts;             ///< of images, not of a CSV
+  std::vector<std::string> warnings;  ///< one line each, ready to print
+};
+
+/// Name of our detector as it stands in the first line of a detections.csv.
+[[nodiscard]] std::string detector_name();
+
+/// A capture's detections: from its detections.csv or else from its images, each decoded, detected
+/// and dropped, several at a time. An unreadable image is skipped, counted and said, as is one of
+/// another size than rig.yaml says. Errors: those of the CSV; bad_data when not one image could be
+/// used.
+[[nodiscard]] Expected<DetectedCapture> detect_capture(const CaptureFolder& capture,
+                                                       const DetectCaptureOptions& options,
+                                                       Progress& progress, DetectionReport& report);
+
+}  // namespace waymark

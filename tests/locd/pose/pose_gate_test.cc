@@ -1,0 +1,115 @@
+#include "locd/pose/pose_gate.h"
+
+#include <gtest/gtest.h>
+
+namespace waymark {
+namespace {
+
+using std::chrono::milliseconds;
+
+PoseSolution good() {
+  PoseSolution solution;
+  solution.covariance = 1e-6 * Matrix6d::Identity();  // 1 mm, 1 mrad
+  solution.inliers = 4;
+  solution.inlier_markers = 4;
+  return solution;
+}
+
+MotionPrediction sure_prior() {
+  MotionPrediction prior;
+  prior.covariance = 1e-6 * Matrix6d::Identity();
+  return prior;
+}
+
+ReasonBits judge_alone(const PoseSolution& solution,
+                       const std::optional<MotionPrediction>& prior = std::nullopt) {
+  PoseGate gate{GateOptions{}};
+  return gate.judge(milliseconds(0), solution, prior);
+}
+
+TEST(PoseGate, NothingIsWrongWithAGoodPose) { EXPECT_EQ(judge_alone(good()), 0U); }
+
+TEST(PoseGate, ThreeSigmaUpToTheLimits) {
+  const GateOptions options;
+  for (const double factor : {0.99, 1.01}) {
+    PoseSolution wide = good();
+    wide.covariance(1, 1) = std::pow(factor * options.max_3sigma_m / 3, 2);
+    EXPECT_EQ(judge_alone(wide) != 0, factor > 1);
+    PoseSolution turned = good();
+    turned.covariance(5, 5) = std::pow(factor * options.max_3sigma_rad / 3, 2);
+    EXPECT_EQ(judge_alone(turned) != 0, factor > 1);
+  }
+  PoseSolution nan = good();
+  nan.covariance(0, 0) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(judge_alone(nan) & bit(PoseReason::sigma), 0U);
+}
+
+TEST(PoseGate, TheWorstDirectionCountsNotTheAxes) {
+  PoseSolution skewed = good();
+  const GateOptions options;
+  const double variance = std::pow(0.8 * options.max_3sigma_m / 3, 2);
+  skewed.covariance(0, 0) = skewed.covariance(1, 1) = variance;
+  skewed.covariance(0, 1) = skewed.covariance(1, 0) = 0.9 * variance;
+  EXPECT_EQ(judge_alone(skewed), bit(PoseReason::sigma));
+}
+
+TEST(PoseGate, OneMarkerNeedsAPriorThatAgrees) {
+  PoseSolution one = good();
+  one.inlier_markers = 1;
+  EXPECT_EQ(judge_alone(one), bit(PoseReason::few_markers));
+  EXPECT_EQ(judge_alone(one, sure_prior()), 0U);
+  MotionPrediction elsewhere = sure_prior();
+  elsewhere.world_from_rig.translation.x() = 0.05;
+  EXPECT_EQ(judge_alone(one, elsewhere), bit(PoseReason::few_markers));
+  MotionPrediction vague = sure_prior();
+  vague.covariance *= 1e4;
+  EXPECT_EQ(judge_alone(one, vague), bit(PoseReason::few_markers));
+}
+
+TEST(PoseGate, OutliersMustBeTheMinority) {
+  PoseSolution doubtful = good();
+  doubtful.outlier_markers = 3;
+  EXPECT_EQ(judge_alone(doubtful), 0U);
+  doubtful.outlier_markers = 4;
+  EXPECT_EQ(judge_alone(doubtful), bit(PoseReason::outliers));
+}
+
+TEST(PoseGate, AJumpIsOneAndIsBelievedWhenItStays) {
+  const GateOptions options;
+  PoseGate gate(options);
+  ASSERT_EQ(gate.judge(milliseconds(0), good(), std::nullopt), 0U);
+  // 3 m/s for 0.1 s, and three times both sigmas of 1 mm.
+  PoseSolution next = good();
+  next.world_from_rig.translation.x() = 0.305;
+  EXPECT_EQ(gate.judge(milliseconds(100), next, std::nullopt), 0U);
+  PoseSolution far = good();
+  far.world_from_rig.translation.x() = 5;
+  for (int i = 1; i <= options.sets_to_believe_jump; ++i) {
+    EXPECT_EQ(gate.judge(milliseconds(100 + 100 * i), far, std::nullopt) != 0,
+              i < options.sets_to_believe_jump)
+        << i;
+  }
+  PoseSolution turned = far;
+  turned.world_from_rig.rotation = so3_exp({0, 0, 1});
+  EXPECT_EQ(gate.judge(milliseconds(500), turned, std::nullopt), bit(PoseReason::jump));
+  gate.forget();
+  EXPECT_EQ(gate.judge(milliseconds(600), turned, std::nullopt), 0U);
+}
+
+TEST(PoseGate, OneFarPoseDoesNotBecomeThePlace) {
+  PoseGate gate{GateOptions{}};
+  ASSERT_EQ(gate.judge(milliseconds(0), good(), std::nullopt), 0U);
+  PoseSolution far = good();
+  far.world_from_rig.translation.x() = 5;
+  EXPECT_EQ(gate.judge(milliseconds(100), far, std::nullopt), bit(PoseReason::jump));
+  EXPECT_EQ(gate.judge(milliseconds(200), good(), std::nullopt), 0U);
+}
+
+TEST(PoseGate, AmbiguousIsSaid) {
+  PoseSolution two = good();
+  two.ambiguous = true;
+  EXPECT_EQ(judge_alone(two), bit(PoseReason::ambiguous));
+}
+
+}  // namespace
+}  // namespace waymark

@@ -1,0 +1,83 @@
+// Recordings that share a budget: what goes first, what never goes.
+#include "tests/locd/record/recording_fixture.h"
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+using std::chrono::seconds;
+using test::bytes_of;
+using test::facts;
+using test::generous;
+using test::image_bytes;
+using test::kStart;
+using test::set_at;
+
+TEST(RecordingFolder, EarlierRecordingsShareTheBudgetAndGoFirst) {
+  const TemporaryFolder archive;
+  RecordingFacts with_archive = facts();
+  with_archive.archive = archive.path();
+  RecordingBudget budget = generous();
+  for (int r = 0; r < 2; ++r) {
+    auto earlier = RecordingFolder::open(archive.path() / std::to_string(r), with_archive, budget);
+    ASSERT_TRUE(earlier);
+    for (int i = 0; i < 3; ++i) {
+      ASSERT_TRUE(earlier->write_set(set_at(kStart + seconds(100 * r + i))));
+    }
+  }
+  archive.write("notes/readme.txt", "not a recording");
+  budget.max_bytes = bytes_of(8);
+  auto folder = RecordingFolder::open(archive.path() / "2", with_archive, budget);
+  ASSERT_TRUE(folder);
+  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200))));
+  EXPECT_TRUE(std::filesystem::exists(archive.path() / "0"));
+  for (int i = 1; i < 4; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200 + i))));
+  EXPECT_FALSE(std::filesystem::exists(archive.path() / "0"));  // the texts count as well
+  EXPECT_TRUE(std::filesystem::exists(archive.path() / "1"));
+  EXPECT_TRUE(std::filesystem::exists(archive.path() / "notes/readme.txt"));
+  for (int i = 4; i < 12; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200 + i))));
+  EXPECT_FALSE(std::filesystem::exists(archive.path() / "1"));
+  EXPECT_EQ(folder->sets(), 8U);
+}
+
+TEST(RecordingFolder, WhatLocdDidNotRecordStays) {
+  const TemporaryFolder archive;
+  RecordingFacts with_archive = facts();
+  with_archive.archive = archive.path();
+  const TemporaryFolder elsewhere;
+  for (const auto& [name, software] : {std::pair{"bought", "waymark simulator"},
+                                       std::pair{"theirs", "their recorder"},
+                                       {"unsaid", ""}}) {
+    const std::string folder = name;
+    archive.write(folder + "/rig.yaml", tiny_rig_yaml(2));
+    archive.write(folder + "/cam0/1.pgm", image_bytes());
+    if (software[0] != '\0') {
+      archive.write(folder + "/capture.toml", fmt::format("software = \"{}\"\n", software));
+    }
+  }
+  for (const auto& folder : {archive.path() / "ours", elsewhere.path() / "linked"}) {
+    ASSERT_TRUE(RecordingFolder::open(folder, facts(), generous())->write_set(set_at(kStart)));
+  }
+  std::filesystem::create_directory_symlink(elsewhere.path() / "linked", archive.path() / "link");
+  RecordingBudget budget = generous();
+  budget.max_bytes = bytes_of(3);
+  auto folder = RecordingFolder::open(archive.path() / "new", with_archive, budget);
+  ASSERT_TRUE(folder);
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(100 + i))));
+  for (const char* name : {"bought", "theirs", "unsaid", "link"}) {
+    EXPECT_TRUE(std::filesystem::exists(archive.path() / name / "rig.yaml")) << name;
+  }
+  EXPECT_FALSE(std::filesystem::exists(archive.path() / "ours"));
+}
+
+TEST(RecordingFolder, ACaptureOfTheSameRigThatLocdDidNotRecordIsNotGoneOnWith) {
+  const TemporaryFolder tmp;
+  tmp.write("rig.yaml", facts().rig_yaml);
+  tmp.write("capture.toml", "software = \"their recorder\"\n");
+  const auto refused = RecordingFolder::open(tmp.path(), facts(), generous());
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::cant_create);
+}
+
+}  // namespace
+}  // namespace waymark

@@ -1,0 +1,191 @@
+// Recordings as the daemon's operators see them.
+#include "core/capture/capture_folder.h"
+#include "core/capture/image_file.h"
+#include "tests/locd/service/daemon_fixture.h"
+#include "tests/support/disk_double.h"
+
+namespace waymark {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using test::DaemonTest;
+using test::DiskDouble;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST_F(DaemonTest, RecordsOnRequest) {
+  start();
+  EXPECT_THAT(request("status"), HasSubstr("not recording"));
+  const std::string started = request("start");
+  ASSERT_THAT(started, StartsWith("ok "));
+  EXPECT_THAT(request("start"), HasSubstr("error"));
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return !statuses_.empty() && statuses_.back().recorded_sets > 3;
+  }));
+  EXPECT_NE(statuses_.back().recording, 0);
+  EXPECT_EQ("ok " + statuses_.back().recording_path + "\n", started);
+  EXPECT_THAT(request("stop"), StartsWith("ok "));
+  const auto folder = started.substr(3, started.size() - 4);
+  const auto capture = open_capture_folder(folder);
+  ASSERT_TRUE(capture) << capture.error().message;
+  EXPECT_GE(capture->images.size(), 8U);
+  EXPECT_THAT(request("shutdown"), HasSubstr("error"));
+}
+
+TEST_F(DaemonTest, AnArchiveThatCantBeReachedIsAnAnswer) {
+  std::filesystem::create_directory_symlink("recordings", tmp_.path() / "recordings");  // a loop
+  start();
+  EXPECT_THAT(request("start"), StartsWith("error: "));
+  turn_for(seconds(2));
+  ASSERT_FALSE(statuses_.empty());
+  EXPECT_EQ(statuses_.back().recording, 0);
+}
+
+TEST_F(DaemonTest, ADiskThatStallsHoldsUpNeitherWatchdogNorPosesNorAnswers) {
+  test::FakeSystemd& systemd = with_systemd();
+  DiskDouble disk;
+  start();
+  const auto goes_on = [&] {
+    (void)systemd.heard();
+    poses_.clear();
+    return turn_until([&] { return systemd.heard().find("WATCHDOG=1") != std::string::npos; }) &&
+           turn_until([&] { return !poses_.empty(); });
+  };
+  const auto held = [&] { return disk.holds_somebody(Stamp{0}); };
+  disk.stall();
+  const Descriptor begins = ask("start");
+  ASSERT_TRUE(turn_until(held));
+  EXPECT_TRUE(goes_on());
+  EXPECT_EQ(request("status"), "ok starting\n");
+  EXPECT_THAT(request("start"), StartsWith("error: "));
+  EXPECT_EQ(answer_to(begins), "");
+  disk.release();
+  std::string folder;
+  ASSERT_TRUE(turn_until([&] { return !(folder = answer_to(begins)).empty(); }));
+  EXPECT_THAT(folder, StartsWith("ok /"));
+  disk.stall();
+  const Descriptor ends = ask("stop");
+  ASSERT_TRUE(turn_until(held));
+  EXPECT_TRUE(goes_on());
+  EXPECT_EQ(request("status"), "ok stopping\n");
+  EXPECT_THAT(request("start"), StartsWith("error: "));
+  EXPECT_EQ(answer_to(ends), "");
+  disk.release();
+  std::string ended;
+  ASSERT_TRUE(turn_until([&] { return !(ended = answer_to(ends)).empty(); }));
+  EXPECT_EQ(ended, folder);
+}
+
+TEST_F(DaemonTest, ADiskThatDoesNotAnswerIsSaidAfterAWhile) {
+  DiskDouble disk;
+  start();
+  disk.stall();
+  const Descriptor begins = ask("start");
+  turn_for(seconds(9));
+  EXPECT_EQ(answer_to(begins), "");
+  turn_for(seconds(2));
+  EXPECT_THAT(answer_to(begins), HasSubstr("the disk does not answer"));
+  disk.release();
+  ASSERT_TRUE(turn_until([&] { return request("status") == "ok not recording\n"; }));
+  ASSERT_THAT(request("start"), StartsWith("ok "));
+  disk.stall();
+  const Descriptor ends = ask("stop");
+  turn_for(seconds(9));
+  EXPECT_EQ(answer_to(ends), "");
+  turn_for(seconds(2));
+  EXPECT_EQ(answer_to(ends), "ok stopping\n");
+  disk.release();
+  EXPECT_TRUE(turn_until([&] { return request("status") == "ok not recording\n"; }));
+}
+
+TEST_F(DaemonTest, WhatWasRecordedIsOnTheDiskAtTheEndWhateverADriverDoes) {
+  DiskDouble disk;
+  start();
+  const std::string answer = request("start");
+  ASSERT_THAT(answer, StartsWith("ok "));
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return !statuses_.empty() && statuses_.back().recorded_sets > 3;
+  }));
+  cameras_[0]->get_stuck();
+  ASSERT_TRUE(turn_until([&] { return cameras_[0]->is_stuck(); }));
+  const Stamp before = monotonic_now();
+  const Status ended = daemon_->stop(seconds(3));
+  EXPECT_LT(monotonic_now() - before, seconds(8)) << "it waited for the driver";
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().message, "a camera's driver does not return; ending without");
+  const auto capture = open_capture_folder(answer.substr(3, answer.size() - 4));
+  ASSERT_TRUE(capture) << capture.error().message;
+  EXPECT_GE(capture->images.size(), 8U);
+  for (const ImageFile& image : capture->images) {
+    EXPECT_TRUE(disk.synced().contains(image.path.string())) << image.path;
+  }
+}
+
+TEST_F(DaemonTest, TheEndDoesNotWaitForTheDisk) {
+  DiskDouble disk;
+  start();
+  ASSERT_THAT(request("start"), StartsWith("ok "));
+  disk.stall();
+  const Stamp before = monotonic_now();
+  const Status ended = daemon_->stop(seconds(3));
+  EXPECT_LT(monotonic_now() - before, seconds(8)) << "it waited for the disk";
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(ended.error().message, "the disk does not take the recording; ending without");
+  disk.release();
+}
+
+TEST_F(DaemonTest, AStartThatTheDiskHoldsUpFailsAndCanBeEnded) {
+  DiskDouble disk;
+  disk.stall();
+  make([](test::FakeCamera& /*camera*/) {}, tmp_.path() / "capture");
+  const Status started = daemon_->start();
+  ASSERT_FALSE(started);
+  EXPECT_THAT(started.error().message, HasSubstr("the disk does not answer"));
+  const Status ended = daemon_->stop(milliseconds(100));
+  ASSERT_FALSE(ended);
+  EXPECT_THAT(ended.error().message, HasSubstr("the disk does not take the recording"));
+  disk.release();
+}
+
+TEST_F(DaemonTest, AReloadedBudgetHoldsForTheRecordingThatRuns) {
+  start();
+  const std::string answer = request("start");
+  ASSERT_THAT(answer, StartsWith("ok "));
+  const auto kept = [&]() -> Stamp {  // from the oldest image to the newest
+    const auto capture = open_capture_folder(answer.substr(3, answer.size() - 4));
+    if (!capture || capture->images.empty()) return Stamp{0};
+    return capture->images.back().stamp - capture->images.front().stamp;
+  };
+  const auto record_until = [&](const auto& holds) {
+    return turn_until([&] {
+      if (monotonic_now() - last_given_ < milliseconds(100)) return false;
+      give_set();
+      return holds();
+    });
+  };
+  ASSERT_TRUE(record_until([&] { return kept() > milliseconds(1500); }));
+  write_config("keep_s = 1\n");
+  daemon_->reload();
+  EXPECT_TRUE(record_until([&] { return kept() <= milliseconds(1100); }));
+}
+
+TEST_F(DaemonTest, ARecordingWithoutMarkersSaysWhatToSet) {
+  tmp_.write("locd.toml",
+             "[rig]\ncamchain = \"rig.yaml\"\n[lcm]\nurl = \"memq://\"\n"
+             "[[camera]]\nname = \"cam0\"\ndriver = \"v4l2\"\ndevice = \"left\"\n"
+             "[[camera]]\nname = \"cam1\"\ndriver = \"v4l2\"\ndevice = \"right\"\n"
+             "[record]\ndir = \"recordings\"\nmin_free_bytes = 0\n");
+  start();
+  const std::string answer = request("start");
+  ASSERT_THAT(answer, StartsWith("ok "));
+  ASSERT_TRUE(turn_until([&] { return alert("RECORDING", false) != nullptr; }));
+  EXPECT_THAT(alert("RECORDING", false)->text, HasSubstr("without markers.toml"));
+  EXPECT_THAT(alert("RECORDING", false)->text, HasSubstr("[record] markers"));
+  EXPECT_FALSE(std::filesystem::exists(answer.substr(3, answer.size() - 4) + "/markers.toml"));
+}
+
+}  // namespace
+}  // namespace waymark

@@ -1,0 +1,77 @@
+#include "locd/service/replay_command.h"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "core/geometry/tum.h"
+#include "core/map/map_file.h"
+#include "tests/support/room_capture.h"
+
+namespace waymark {
+namespace {
+
+class ReplayCommand : public testing::Test {
+ protected:
+  ReplayCommand() {
+    test::RoomOptions options;
+    options.frame_sets = 60;
+    options.noise_px = 0.1;
+    options.state_covariances = true;
+    room_ = test::make_room(options);
+    test::write_room_capture(folder_, room_);
+    EXPECT_TRUE(write_map_file(folder_.path() / "room.map", test::room_map(room_)));
+  }
+
+  Status run(const std::string& trajectory) {
+    ReplayCommandOptions options;
+    options.capture = folder_.path();
+    options.map = folder_.path() / "room.map";
+    options.trajectory = folder_.path() / trajectory;
+    options.table = folder_.path() / (trajectory + ".csv");
+    return run_replay(options, stop_, out_, notes_);
+  }
+
+  TemporaryFolder folder_;
+  test::SyntheticRoom room_;
+  std::atomic<bool> stop_{false};
+  std::ostringstream out_;
+  std::ostringstream notes_;
+};
+
+TEST_F(ReplayCommand, WritesEverySetsPoseAtItsOwnStamp) {
+  const auto status = run("a.tum");
+  ASSERT_TRUE(status) << status.error().message;
+  const auto poses = read_tum(folder_.path() / "a.tum");
+  ASSERT_TRUE(poses);
+  ASSERT_EQ(poses->size(), 60U);
+  for (std::size_t i = 0; i < poses->size(); ++i) {
+    EXPECT_EQ((*poses)[i].key, format_stamp_s(test::room_stamp(static_cast<int>(i))));
+    EXPECT_LT((*poses)[i].pose.minus(room_.world_from_rig[i]).norm(), 0.01);
+  }
+  EXPECT_EQ(out_.str(), "60 frame sets: 60 OK, 0 DEGRADED, 0 AMBIGUOUS, 0 LOST\n");
+}
+
+TEST_F(ReplayCommand, GivesTheSameBytesEachTime) {
+  ASSERT_TRUE(run("a.tum"));
+  ASSERT_TRUE(run("b.tum"));
+  EXPECT_EQ(folder_.read("a.tum"), folder_.read("b.tum"));
+  EXPECT_EQ(folder_.read("a.tum.csv"), folder_.read("b.tum.csv"));
+}
+
+TEST_F(ReplayCommand, AStopEndsItWithWhatThereIs) {
+  stop_ = true;
+  ASSERT_TRUE(run("a.tum"));
+  EXPECT_EQ(out_.str(), "0 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 0 LOST\n");
+}
+
+TEST_F(ReplayCommand, SaysWhatIsWrong) {
+  std::filesystem::remove(folder_.path() / "room.map");
+  EXPECT_EQ(run("a.tum").error().kind, ErrorKind::no_input);
+  folder_.write("room.map", "no map");
+  EXPECT_EQ(run("a.tum").error().kind, ErrorKind::bad_data);
+  EXPECT_EQ(folder_.read("a.tum"), "");
+}
+
+}  // namespace
+}  // namespace waymark
