@@ -79,7 +79,7 @@ struct Daemon::Parts {
         several_families(map.several_families),
         quarantine_file(std::move(file)),
         quarantine{map.map_hash, quarantine_file->of_map(map.map_hash)},
-        telemetry(setup.config.lcm, session_of(setup, map), read_clocks()),
+        telemetry(setup.config.lcm, session_of(setup, map), options.read_clocks()),
         capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
         localization(capture, telemetry, std::move(map),
                      [this](const FrameSetLease& set) { recorder.offer(set); }),
@@ -176,7 +176,7 @@ Status Daemon::start() {
 
 void Daemon::turn(Stamp now) {
   Parts& p = *parts_;
-  if (p.telemetry.follow_clocks(read_clocks())) {
+  if (p.telemetry.follow_clocks(p.options.read_clocks())) {
     const std::string text = "the machine's clock was set or it slept; utime follows slowly";
     p.telemetry.publish_alert("TIME", "", text, true, now);
     p.log.event("TIME", text, now);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,8 @@ struct DaemonOptions {
   std::filesystem::path runtime_folder;
   /// Where the quarantine is: STATE_DIRECTORY, or /var/lib/locd.
   std::filesystem::path state_folder;
+  /// The machine's clocks, asked by the service thread only; a test's are under its hand.
+  std::function<ClockReading()> read_clocks = waymark::read_clocks;
 };
 
 /// The options' folders from the environment.

@@ -65,6 +65,17 @@ class FakeSystemd {
   std::string heard_;
 };
 
+/// The machine's clocks under a test's hand: CLOCK_MONOTONIC is the service loop's, the others run
+/// ahead of it by what the test says.
+struct SimulatedClocks {
+  Stamp wall_ahead = std::chrono::seconds(1'800'000'000);
+  Stamp slept{0};
+
+  [[nodiscard]] ClockReading at(Stamp monotonic) const {
+    return {monotonic, monotonic + slept, monotonic + wall_ahead};
+  }
+};
+
 /// A daemon with two fake cameras, its messages kept, its service loop turned by hand.
 class DaemonTest : public testing::Test {
  protected:
@@ -113,12 +124,13 @@ class DaemonTest : public testing::Test {
     options.version = "test";
     options.runtime_folder = tmp_.path();
     options.state_folder = tmp_.path();
+    now_ = monotonic_now();
+    options.read_clocks = [this] { return clocks_.at(now_); };
     daemon_ = std::make_unique<Daemon>(options, std::move(*setup), std::move(sources));
     lcm::LCM& lcm = *daemon_->telemetry().lcm();
     lcm.subscribe("WAYMARK_POSE", &DaemonTest::take_pose, this);
     lcm.subscribe("WAYMARK_STATUS", &DaemonTest::take_status, this);
     lcm.subscribe("WAYMARK_ALERT", &DaemonTest::take_alert, this);
-    now_ = monotonic_now();
   }
 
   /// Turns the service loop through `time`, ten times a second, as fast as it goes.
@@ -202,6 +214,7 @@ class DaemonTest : public testing::Test {
   std::optional<FakeSystemd> systemd_;
   std::unique_ptr<Daemon> daemon_;
   std::vector<FakeCamera*> cameras_;
+  SimulatedClocks clocks_;
   Stamp now_{0};
   Stamp last_given_{0};
   std::vector<pose_t> poses_;
