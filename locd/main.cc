@@ -40,7 +40,7 @@ void add_daemon_options(CLI::App& app, DaemonOptions& daemon, bool& check) {
 /// The exit code that says how it went, and a line on stderr when it went wrong.
 int report(const Status& status) {
   if (status) return 0;
-  fmt::print(stderr, "locd: {}\n", status.error().message);
+  fmt::print(stderr, "{}\n", line_of(status.error(), "locd"));
   return status.error().exit_code();
 }
 

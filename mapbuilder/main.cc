@@ -207,7 +207,7 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "mapbuilder: can't write to standard output\n");
     return static_cast<int>(ErrorKind::io);
   }
-  fmt::print(stderr, "mapbuilder: {}\n", status.error().message);
+  fmt::print(stderr, "{}\n", line_of(status.error(), "mapbuilder"));
   return status.error().exit_code();
 }
 

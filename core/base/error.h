@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <tl/expected.hpp>
 #include <utility>
+
+#include "core/base/cause.h"
 
 namespace waymark {
 
@@ -25,10 +29,18 @@ enum class ErrorKind : int {
 /// One clear line: what failed, on what, why, and what to do about it.
 struct Error {
   ErrorKind kind;
-  std::string message;
+  std::string message;           ///< "subject: text"
+  std::optional<Cause> cause{};  ///< where it is one of those that findings have
 
   [[nodiscard]] int exit_code() const { return static_cast<int>(kind); }
 };
+
+/// What a program prints of the error with which it ends: "error [csv] room.csv: …" as a finding's
+/// line, or "mapbuilder: room.csv: …" where there is no cause.
+[[nodiscard]] inline std::string line_of(const Error& error, std::string_view program) {
+  if (error.cause) return fmt::format("error [{}] {}", name_of(*error.cause), error.message);
+  return fmt::format("{}: {}", program, error.message);
+}
 
 template <typename T>
 using Expected = tl::expected<T, Error>;
@@ -39,6 +51,16 @@ template <typename... Args>
 [[nodiscard]] tl::unexpected<Error> fail(ErrorKind kind, fmt::format_string<Args...> format,
                                          Args&&... args) {
   return tl::make_unexpected(Error{kind, fmt::format(format, std::forward<Args>(args)...)});
+}
+
+/// The same where what is wrong is one of the known causes; always bad_data. The message begins
+/// with its subject: `return fail(Cause::csv, "{}: every row stands twice", path);`
+template <typename... Args>
+[[nodiscard]] tl::unexpected<Error> fail(Cause cause, fmt::format_string<Args...> format,
+                                         Args&&... args) {
+  Error error{ErrorKind::bad_data, fmt::format(format, std::forward<Args>(args)...)};
+  error.cause = cause;
+  return tl::make_unexpected(std::move(error));
 }
 
 }  // namespace waymark

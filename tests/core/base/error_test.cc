@@ -20,6 +20,14 @@ TEST(Error, CarriesOneLineAndItsExitCode) {
   EXPECT_EQ(failed.error().exit_code(), 65);
 }
 
+TEST(Error, OfAKnownCauseReadsAsAFinding) {
+  const Status plain = fail(ErrorKind::no_input, "room: can't open");
+  EXPECT_EQ(line_of(plain.error(), "mapbuilder"), "mapbuilder: room: can't open");
+  const Status known = fail(Cause::csv, "{}: every row stands twice", "room.csv");
+  EXPECT_EQ(line_of(known.error(), "mapbuilder"), "error [csv] room.csv: every row stands twice");
+  EXPECT_EQ(known.error().exit_code(), 65);
+}
+
 TEST(Error, KindsAreTheSysexitsCodes) {
   EXPECT_EQ(Error({ErrorKind::usage, ""}).exit_code(), 64);
   EXPECT_EQ(Error({ErrorKind::no_input, ""}).exit_code(), 66);
