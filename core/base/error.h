@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/cause.h"
+#include "core/base/one_line.h"
 
 namespace waymark {
 
@@ -26,11 +27,16 @@ enum class ErrorKind : int {
   config = 78,       ///< a configuration file is wrong
 };
 
-/// One clear line: what failed, on what, why, and what to do about it.
+/// One clear line: what failed, on what, why, and what to do about it. Whatever it quotes, it is
+/// one printable line of at most kMaxLineBytes, so that wherever it goes (terminal, journal,
+/// systemd, a message on the network) nothing need be asked of it again.
 struct Error {
+  Error(ErrorKind why, std::string_view text, std::optional<Cause> of = std::nullopt)
+      : kind(why), message(in_one_line(text)), cause(of) {}
+
   ErrorKind kind;
-  std::string message;           ///< "subject: text"
-  std::optional<Cause> cause{};  ///< where it is one of those that findings have
+  std::string message;         ///< "subject: text"
+  std::optional<Cause> cause;  ///< where it is one of those that findings have
 
   [[nodiscard]] int exit_code() const { return static_cast<int>(kind); }
 };

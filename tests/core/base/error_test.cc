@@ -28,6 +28,22 @@ TEST(Error, OfAKnownCauseReadsAsAFinding) {
   EXPECT_EQ(known.error().exit_code(), 65);
 }
 
+TEST(Error, WhateverItQuotesIsOnePrintableLine) {
+  const std::string hostile = "T_x\nWATCHDOG=trigger\x1b[2J\u009b\xff";
+  const auto failed = fail(ErrorKind::config, "rig.yaml: unknown key \"{}\"; remove it", hostile);
+  EXPECT_EQ(failed.value().message,
+            "rig.yaml: unknown key \"T_x\\nWATCHDOG=trigger\\x1b[2J\\u009b\\xff\"; remove it");
+  EXPECT_EQ(Error(ErrorKind::io, hostile).message, "T_x\\nWATCHDOG=trigger\\x1b[2J\\u009b\\xff");
+}
+
+TEST(Error, WhateverItQuotesIsShort) {
+  const auto failed = fail(ErrorKind::bad_data, "{}: unknown", std::string(200'000, 'a'));
+  EXPECT_LE(failed.value().message.size(), 500U);
+  // Errors quote errors.
+  const auto outer = fail(ErrorKind::bad_data, "rig.yaml: {}; mend it", failed.value().message);
+  EXPECT_LE(outer.value().message.size(), 500U);
+}
+
 TEST(Error, KindsAreTheSysexitsCodes) {
   EXPECT_EQ(Error({ErrorKind::usage, ""}).exit_code(), 64);
   EXPECT_EQ(Error({ErrorKind::no_input, ""}).exit_code(), 66);
