@@ -33,6 +33,8 @@ find_program(LCM_GEN lcm-gen REQUIRED)
 find_path(LCM_CORETYPES_DIR lcm/lcm_coretypes.h REQUIRED)
 find_file(LCM_JAR lcm.jar PATHS /usr/share/java NO_DEFAULT_PATH REQUIRED)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+# glib asks for -pthread, which would make another compilation than that of the precompiled headers; glibc needs it no more.
+set_property(TARGET PkgConfig::LCM PROPERTY INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
 find_package(spdlog REQUIRED)
 
