@@ -33,7 +33,8 @@ bool fits(const DeviceIdentity& identity, const VideoDevice& device) {
 
 std::string names_of(const std::vector<VideoDevice>& devices) {
   std::vector<std::string> names;
-  std::transform(devices.begin(), devices.end(), std::back_inserter(names), name_of);
+  std::transform(devices.begin(), devices.end(), std::back_inserter(names),
+                 [](const VideoDevice& device) { return name_of(device); });
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
