@@ -1,5 +1,7 @@
 # One way to declare each kind of target.
-include(GoogleTest)
+if(WAYMARK_TESTS)
+  include(GoogleTest)
+endif()
 include(GNUInstallDirs)
 
 # Modules are found in one folder of the build, and below lib/ of an installation.
@@ -9,7 +11,6 @@ set(CMAKE_INSTALL_RPATH $ORIGIN/../lib/waymark)
 
 # Headers that nearly every source includes are compiled once for all of them. Sources still include what they use:
 # scripts/check builds without.
-option(WAYMARK_PRECOMPILED_HEADERS "compile common headers once" ON)
 function(waymark_precompile target headers)
   if(WAYMARK_PRECOMPILED_HEADERS)
     target_precompile_headers(${target} REUSE_FROM waymark_precompiled_${headers})
@@ -21,6 +22,8 @@ if(WAYMARK_PRECOMPILED_HEADERS)
   add_library(waymark_precompiled_common OBJECT ${empty})
   target_precompile_headers(waymark_precompiled_common PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled_common.h)
   target_link_libraries(waymark_precompiled_common PRIVATE Eigen3::Eigen fmt::fmt tl::expected waymark_warnings)
+endif()
+if(WAYMARK_PRECOMPILED_HEADERS AND WAYMARK_TESTS)
   add_library(waymark_precompiled_tests OBJECT ${empty})
   target_precompile_headers(waymark_precompiled_tests PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h)
   target_link_libraries(waymark_precompiled_tests PRIVATE Eigen3::Eigen fmt::fmt tl::expected GTest::gmock waymark_warnings)
@@ -30,9 +33,19 @@ endif()
 function(waymark_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
-  target_include_directories(${name} PUBLIC ${PROJECT_SOURCE_DIR})
-  target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} waymark_warnings)
+  target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+  target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:waymark_warnings>)
   waymark_precompile(${name} common)
+endfunction()
+
+# waymark_core_library(…): one that programs outside this tree may link, too: Waymark::<name without waymark_> after
+# find_package(Waymark); see core/CMakeLists.txt.
+function(waymark_core_library name)
+  waymark_library(${name} ${ARGN})
+  string(REPLACE waymark_ "" exported ${name})
+  set_target_properties(${name} PROPERTIES EXPORT_NAME ${exported})
+  target_include_directories(${name} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/waymark>)
+  install(TARGETS ${name} EXPORT waymark_core COMPONENT core ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 endfunction()
 
 # waymark_module(<name> COMPONENT … SOURCES … PRIVATE …): loaded at run time by those that need it (dlopen), so that

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The installed messages serve programs that know only CMake's find_package or pkg-config.
-# Usage: installed_package.sh CMAKE BUILD COMPILER CONSUMER
+# Usage: installed_package.sh CMAKE BUILD COMPILER CONSUMER WITH_JAVA
 set -euo pipefail
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
@@ -16,6 +16,7 @@ pkgconfig=$(dirname "$(find "$work/prefix" -name waymark-messages.pc)")
   $(PKG_CONFIG_PATH="$pkgconfig" pkg-config --cflags --libs waymark-messages) -o "$work/by-pkg-config"
 "$work/by-pkg-config"
 
+[ "$5" -eq 1 ] || exit 0
 [ -f "$work/prefix/share/java/waymark-types.jar" ]
 # Without Java's jars, waymark-spy says what to install.
 said=$(WAYMARK_JAVA_FOLDER="$work/none" "$work/prefix/bin/waymark-spy" 2>&1) && exit 1
