@@ -23,17 +23,35 @@ struct TemporaryFile {
   Descriptor file;  ///< invalid, with errno, when it can't be created
 };
 
+/// Where a path leads: a link stays a link, the file behind it is what is written, be it there or
+/// not. Errors: cant_create for links that lead in circles.
+Expected<fs::path> behind_links(const fs::path& named) {
+  constexpr int kMostLinks = 40;  // Linux's own limit
+  fs::path path = named;
+  for (int links = 0; links <= kMostLinks; ++links) {
+    std::error_code why;
+    if (!fs::is_symlink(path, why)) return path;
+    const fs::path target = fs::read_symlink(path, why);
+    if (why) return path;  // writing says so
+    path = target.is_absolute() ? target : path.parent_path() / target;
+  }
+  return fail(ErrorKind::cant_create, "{}: can't write: links that lead in circles; name a file",
+              named.string());
+}
+
 /// Beside `path`, hidden. Not mkstemp, whose files are their owner's alone: the process's mask,
 /// which can only be read by changing it for every thread, is applied by open itself.
-TemporaryFile create_beside(const fs::path& path) {
+TemporaryFile create_beside(const fs::path& path, mode_t mode) {
   TemporaryFile temporary;
   do {
     std::uint64_t unique = 0;
     if (::getrandom(&unique, sizeof unique, 0) != sizeof unique) break;
     temporary.path = path;
-    temporary.path.replace_filename(fmt::format(".{}.{:016x}", path.filename().string(), unique));
+    // A name may have 255 bytes.
+    const std::string name = path.filename().string().substr(0, 200);
+    temporary.path.replace_filename(fmt::format(".{}.{:016x}", name, unique));
     temporary.file =
-        Descriptor(::open(temporary.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+        Descriptor(::open(temporary.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
   } while (!temporary.file.valid() && errno == EEXIST);
   return temporary;
 }
@@ -41,16 +59,20 @@ TemporaryFile create_beside(const fs::path& path) {
 }  // namespace
 
 Status write_file_atomically(const fs::path& named, std::string_view content) {
+  const auto behind = behind_links(named);
+  if (!behind) return tl::make_unexpected(behind.error());
+  const fs::path& path = *behind;
   std::error_code ignored;
-  // A link stays a link: the file behind it is what is replaced.
-  const fs::path path = fs::is_symlink(named, ignored) ? fs::weakly_canonical(named) : named;
   const fs::file_status status = fs::status(path, ignored);
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     return fail(ErrorKind::cant_create, "{}: can't write: it is {}; name a file", path.string(),
                 fs::is_directory(status) ? "a folder" : "no regular file");
   }
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  const auto [temporary, file] = create_beside(path);
+  // What was there keeps its mode; the process's mask is for new files alone.
+  const bool replaces = fs::is_regular_file(status);
+  const mode_t mode = replaces ? static_cast<mode_t>(status.permissions()) & 0777U : 0666U;
+  const auto [temporary, file] = create_beside(path, mode);
   if (!file.valid()) {
     return fail(creation_error(),
                 "{}: can't create: {}; check that the folder {} exists and is writable",
@@ -62,6 +84,7 @@ Status write_file_atomically(const fs::path& named, std::string_view content) {
     return fail(ErrorKind::io, "{}: can't write {} bytes: {}; the earlier content is unchanged",
                 path.string(), content.size(), why);
   };
+  if (replaces) (void)::fchmod(file.get(), mode);  // not on every file system; then it is narrower
   if (!write_all(file.get(), content)) return give_up();
   if (::fsync(file.get()) != 0) return give_up();
   if (::rename(temporary.c_str(), path.c_str()) != 0) return give_up();

@@ -11,12 +11,18 @@
 
 namespace waymark {
 
-/// Parses TOML. A syntax error is an `error` (bad_data, or config for configuration files) that
-/// names `name`, which stands for the path in messages, and the line.
+/// No file of ours is larger, or nests tables, arrays and the parts of a dotted key deeper. The
+/// parser and whoever destroys what it made recurse into depth, so it is bounded beforehand.
+inline constexpr std::size_t kMaxTomlBytes = std::size_t{1} << 20;
+inline constexpr int kMaxTomlDepth = 16;
+
+/// Parses TOML; the one place where any is. What is too large, nested too deep or no TOML is an
+/// `error` (bad_data, or config for configuration files) that names `name`, which stands for the
+/// path in messages, and the line.
 [[nodiscard]] Expected<toml::table> parse_toml(std::string_view text, const std::string& name,
                                                ErrorKind error = ErrorKind::bad_data);
 
-/// The same from a file. Errors of read_file besides; larger than 16 MB is no such file.
+/// The same from a file. Errors of read_file besides.
 [[nodiscard]] Expected<toml::table> read_toml(const std::filesystem::path& path,
                                               ErrorKind error = ErrorKind::bad_data);
 

@@ -9,12 +9,12 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/text_field.h"
+#include "core/camera/image_sizes.h"
 #include "core/camera/kalibr_camera.h"
 
 namespace waymark {
 namespace {
 
-constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 /// How far T_cam_imu and the chain of T_cn_cnm1 may disagree.
 constexpr double kMaxChainError_m = 1e-3;
 constexpr double kMaxChainError_rad = 0.1 * std::numbers::pi / 180;
@@ -130,18 +130,25 @@ Expected<LoadedRig> load(const YAML::Node& root, const std::string& name) {
     loaded.rig.has_extrinsics = *chained;
   }
   for (KalibrCamera& entry : entries) loaded.rig.cameras.push_back(std::move(entry.camera));
+  if (auto sized = check_image_sizes(loaded.rig, name); !sized) {
+    return tl::make_unexpected(sized.error());
+  }
   return loaded;
 }
 
 }  // namespace
 
 Expected<LoadedRig> read_camchain(const std::filesystem::path& path) {
-  const auto text = read_file(path, kMaxBytes);
+  const auto text = read_file(path, kMaxCamchainBytes);
   if (!text) return tl::make_unexpected(text.error());
   return parse_camchain(*text, path.string());
 }
 
 Expected<LoadedRig> parse_camchain(const std::string& text, const std::string& name) {
+  if (text.size() > kMaxCamchainBytes) {
+    return fail(ErrorKind::bad_data, "{}: larger than {} bytes; this is not such a file", name,
+                kMaxCamchainBytes);
+  }
   try {
     return load(YAML::Load(text), name);
   } catch (const YAML::Exception& bad) {

@@ -16,6 +16,9 @@ struct LoadedRig {
   std::vector<std::string> notes;
 };
 
+/// Larger is no rig.yaml. How deep it nests the parser bounds itself.
+inline constexpr std::size_t kMaxCamchainBytes = std::size_t{1} << 20;
+
 /// Reads a Kalibr camchain (rig.yaml). cam0…camN without gaps; T_cn_cnm1 is camera n from camera
 /// n−1. With T_cam_imu on every camera the body is the rig frame and the chain (where present) must
 /// agree to 1 mm / 0.1°; on none, cam0 is the rig frame; on some: bad_data. |RᵀR − I| ≤ 1e-3

@@ -3,8 +3,6 @@
 #include <charconv>
 #include <optional>
 
-#include "core/base/one_line.h"
-
 namespace waymark {
 namespace {
 
@@ -39,7 +37,7 @@ bool looks_like_pgm(std::string_view bytes) {
 Expected<LoadedImage> decode_pgm(std::string_view bytes) {
   if (!bytes.starts_with("P5")) {
     return fail(ErrorKind::bad_data, "netpbm file of kind {}; only P5 (binary PGM) is read",
-                in_one_line(bytes.substr(0, 2)));
+                bytes.substr(0, 2));
   }
   bytes.remove_prefix(2);
   const auto width = take_number(bytes);

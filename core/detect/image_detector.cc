@@ -6,15 +6,10 @@
 #include "core/base/check.h"
 #include "core/detect/aruco_detector.h"
 #include "core/detect/cell_reader.h"
+#include "core/marker/image_families.h"
 
 namespace waymark {
 namespace {
-
-std::vector<Family> families_of(const MarkerCatalog& catalog) {
-  std::vector<Family> families;
-  for (const auto& entry : catalog.entries()) families.push_back(entry.family);
-  return families;
-}
 
 /// Whether two detections are readings of the same square.
 bool same_square(const Detection& a, const Detection& b) {
@@ -42,9 +37,9 @@ DetectionCounts& DetectionCounts::operator+=(const DetectionCounts& other) {
 ImageDetector::ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options)
     : catalog_(catalog),
       options_(options),
-      detector_(make_detector(families_of(catalog), options.detector)),
-      bits_(families_of(catalog)) {
-  for (const Family family : families_of(catalog)) {
+      detector_(make_detector(families_in_images(catalog), options.detector)),
+      bits_(families_in_images(catalog)) {
+  for (const Family family : families_in_images(catalog)) {
     correctable_bits_[family] = correctable_bits(family);
   }
 }

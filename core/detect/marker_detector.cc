@@ -58,7 +58,6 @@ template <typename EngineOf>
 std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
                                               const DetectorOptions& options,
                                               const EngineOf& engine_of) {
-  WAYMARK_CHECK(!families.empty());
   std::vector<std::unique_ptr<MarkerDetector>> parts;
   for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
     std::vector<Family> own;

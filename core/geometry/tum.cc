@@ -13,6 +13,10 @@ namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 constexpr std::string_view kWhiteSpace = " \t\r";
+/// Ten million poses.
+constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
+/// As of markers in maps.
+constexpr double kMaxPosition_m = 1e6;
 
 /// Fields between white space; the comment after a `#` is no field.
 std::vector<std::string_view> fields_of(std::string_view line) {
@@ -45,6 +49,10 @@ Expected<TumPose> pose_from(const std::vector<std::string_view>& fields) {
     const auto value = number_from(fields[i + 1]);
     if (!value) return fail(ErrorKind::bad_data, "'{}' is no finite number", fields[i + 1]);
     v[i] = *value;
+    if (i < 3 && std::abs(v[i]) > kMaxPosition_m) {
+      return fail(ErrorKind::bad_data, "position of {} m, beyond 1000 km; positions are in metres",
+                  fields[i + 1]);
+    }
   }
   const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
   if (!(std::abs(rotation.norm() - 1) <= 0.01)) {
@@ -57,10 +65,14 @@ Expected<TumPose> pose_from(const std::vector<std::string_view>& fields) {
 }  // namespace
 
 Expected<std::vector<TumPose>> read_tum(const std::filesystem::path& path) {
-  const auto content = read_file(path);
-  if (!content) return tl::make_unexpected(content.error());
+  const auto text = read_file(path, kMaxBytes);
+  if (!text) return tl::make_unexpected(text.error());
+  return parse_tum(*text, path.string());
+}
+
+Expected<std::vector<TumPose>> parse_tum(std::string_view text, const std::string& name) {
   std::vector<TumPose> poses;
-  std::string_view rest = *content;
+  std::string_view rest = text;
   if (rest.starts_with("\xEF\xBB\xBF")) rest.remove_prefix(3);
   for (int line_number = 1; !rest.empty(); ++line_number) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -69,8 +81,7 @@ Expected<std::vector<TumPose>> read_tum(const std::filesystem::path& path) {
     if (fields.empty()) continue;
     auto pose = pose_from(fields);
     if (!pose) {
-      return fail(ErrorKind::bad_data, "{}: line {}: {}", path.string(), line_number,
-                  pose.error().message);
+      return fail(ErrorKind::bad_data, "{}: line {}: {}", name, line_number, pose.error().message);
     }
     poses.push_back(*std::move(pose));
   }

@@ -20,8 +20,13 @@ struct TumPose {
 
 /// Reads a TUM file: `#` comments, blanks and CRLF allowed, any white space between fields.
 /// Quaternions are normalized; one whose norm is off by more than 1 %, a number that is none or
-/// not finite, or a line without 8 fields: bad_data with the line's number. Absent file: no_input.
+/// not finite, a position beyond 1000 km, or a line without 8 fields: bad_data with the line's
+/// number. Absent file: no_input.
 [[nodiscard]] Expected<std::vector<TumPose>> read_tum(const std::filesystem::path& path);
+
+/// The same from text; `name` stands for the path in messages.
+[[nodiscard]] Expected<std::vector<TumPose>> parse_tum(std::string_view text,
+                                                       const std::string& name);
 
 /// Text of a TUM file with 9 decimals.
 [[nodiscard]] std::string format_tum(const std::vector<TumPose>& poses);

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/base/json_fields.h"
 #include "core/marker/marker_id.h"
 
 namespace waymark {
@@ -13,6 +14,10 @@ namespace waymark {
   if (with_family) return format_marker_id(id, true);
   return id.number;
 }
+
+/// The marker that "family" and "id" name; the id is a number, or a text such as "12" or
+/// "tag36h11:12", whose family must be the other one.
+[[nodiscard]] MarkerId read_marker_id(JsonFields& fields);
 
 /// To 9 decimals (nm, 1e-9°), for results: finer digits are rounding, and differ between machines.
 [[nodiscard]] inline double nine_decimals(double value) {

@@ -2,7 +2,7 @@
 
 #include <xxhash.h>
 
-#include <boost/crc.hpp>
+#include <array>
 
 #include "core/base/atomic_file.h"
 #include "core/base/check.h"
@@ -35,12 +35,28 @@ std::uint64_t from_little_endian(std::string_view bytes) {
   return value;
 }
 
+/// What one byte contributes to a CRC32C: its remainder by Castagnoli's polynomial, bits reflected.
+constexpr std::array<std::uint32_t, 256> kCrcOfByte = [] {
+  std::array<std::uint32_t, 256> table{};
+  for (std::uint32_t byte = 0; byte < table.size(); ++byte) {
+    std::uint32_t remainder = byte;
+    for (int bit = 0; bit < 8; ++bit) {
+      remainder = remainder >> 1 ^ ((remainder & 1) != 0 ? 0x82F6'3B78U : 0U);
+    }
+    table[byte] = remainder;
+  }
+  return table;
+}();
+
 /// CRC32C (Castagnoli) over the header before its CRC field and the payload.
 std::uint32_t checksum(std::string_view fields, std::string_view payload) {
-  boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
-  crc.process_bytes(fields.data(), fields.size());
-  crc.process_bytes(payload.data(), payload.size());
-  return crc.checksum();
+  std::uint32_t crc = 0xFFFF'FFFF;
+  for (const std::string_view part : {fields, payload}) {
+    for (const char byte : part) {
+      crc = crc >> 8 ^ kCrcOfByte[(crc ^ static_cast<unsigned char>(byte)) & 0xFF];
+    }
+  }
+  return ~crc;
 }
 
 struct Container {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstddef>
+#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -32,6 +34,12 @@ namespace waymark {
 /// place in the file, for what is no JSON, unknown keys, a newer schema, values of the wrong kind,
 /// and whatever check_map refuses.
 [[nodiscard]] Expected<MarkerMap> parse_map_json(std::string_view text, const std::string& name);
+
+/// The same from a file. Errors of read_file besides.
+[[nodiscard]] Expected<MarkerMap> read_map_json(const std::filesystem::path& path);
+
+/// Larger is no such file: as much as the largest map file.
+inline constexpr std::size_t kMaxMapJsonBytes = std::size_t{1} << 28;
 
 /// "arbitrary", "scaled", "facility".
 [[nodiscard]] std::string_view name_of(FrameKind frame);

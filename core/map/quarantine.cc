@@ -1,66 +1,73 @@
 #include "core/map/quarantine.h"
 
 #include <algorithm>
-#include <cmath>
-#include <nlohmann/json.hpp>
+#include <limits>
+#include <set>
 
 #include "core/base/atomic_file.h"
+#include "core/base/json_fields.h"
 #include "core/map/json_value.h"
 #include "core/map/map_file.h"
 
 namespace waymark {
 namespace {
 
-constexpr std::size_t kLargestFile = std::size_t{1} << 24;
+constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
+/// Beyond any marker's way within a building.
+constexpr double kMaxOffset_m = 1e6;
 
-Expected<MarkerId> marker_of(const nlohmann::json& entry) {
-  const auto family = family_from_name(entry.at("family").get<std::string>());
-  if (!family) return fail(ErrorKind::bad_data, "no such family");
-  const nlohmann::json& id = entry.at("id");
-  return parse_marker_id(id.is_string() ? id.get<std::string>() : std::to_string(id.get<int>()),
-                         *family);
+QuarantinedMarker read_marker(JsonFields& fields) {
+  QuarantinedMarker marker;
+  marker.marker = read_marker_id(fields);
+  marker.state = fields.choice("state", {"MOVED", "UNKNOWN"}) == 0 ? QuarantineState::moved
+                                                                   : QuarantineState::unknown;
+  marker.since_utime = fields.integer("since_utime", 0, std::numeric_limits<std::int64_t>::max());
+  marker.offset_m = fields.number("offset_m", 0, kMaxOffset_m);
+  return marker;
 }
 
-Expected<QuarantinedMarker> entry_of(const nlohmann::json& entry) {
-  QuarantinedMarker marker;
-  const auto id = marker_of(entry);
-  if (!id) return tl::make_unexpected(id.error());
-  marker.marker = *id;
-  const auto state = entry.at("state").get<std::string>();
-  if (state != "MOVED" && state != "UNKNOWN") {
-    return fail(ErrorKind::bad_data, "state is neither MOVED nor UNKNOWN");
-  }
-  marker.state = state == "MOVED" ? QuarantineState::moved : QuarantineState::unknown;
-  marker.since_utime = entry.at("since_utime").get<std::int64_t>();
-  marker.offset_m = entry.at("offset_m").get<double>();
-  if (!std::isfinite(marker.offset_m) || marker.offset_m < 0) {
-    return fail(ErrorKind::bad_data, "offset_m is no length");
-  }
-  return marker;
+Quarantine read_document(JsonFields& fields) {
+  Quarantine quarantine;
+  quarantine.map_hash = fields.text("map_hash");
+  std::set<MarkerId> seen;
+  fields.each("markers", [&](JsonFields& entry) {
+    const QuarantinedMarker marker = read_marker(entry);
+    if (entry.good() && !seen.insert(marker.marker).second) {
+      entry.reject(
+          fmt::format("marker {} stands there twice", format_marker_id(marker.marker, true)));
+    }
+    quarantine.markers.push_back(marker);
+  });
+  return quarantine;
 }
 
 }  // namespace
 
-Expected<Quarantine> read_quarantine(const std::filesystem::path& path) {
-  const auto text = read_file(path, kLargestFile);
-  if (!text) return tl::make_unexpected(text.error());
-  Quarantine quarantine;
-  try {
-    const auto json = nlohmann::json::parse(*text);
-    quarantine.map_hash = json.at("map_hash").get<std::string>();
-    for (const nlohmann::json& entry : json.at("markers")) {
-      auto marker = entry_of(entry);
-      if (!marker) {
-        return fail(ErrorKind::bad_data, "{}: entry {}: {}; remove the file to start anew",
-                    path.string(), quarantine.markers.size(), marker.error().message);
-      }
-      quarantine.markers.push_back(*marker);
-    }
-  } catch (const nlohmann::json::exception& error) {
-    return fail(ErrorKind::bad_data, "{}: no quarantine file: {}; remove it to start anew",
-                path.string(), error.what());
+Expected<Quarantine> parse_quarantine(std::string_view text, const std::string& name) {
+  const auto document = parse_json(text, name, kMaxBytes);
+  if (!document) return tl::make_unexpected(document.error());
+  JsonFields fields(*document, name);
+  auto quarantine = read_document(fields);
+  if (const auto status = fields.finish(); !status) {
+    return fail(ErrorKind::bad_data, "{}; remove the file to start anew", status.error().message);
   }
   return quarantine;
+}
+
+Expected<Quarantine> read_quarantine(const std::filesystem::path& path) {
+  const auto text = read_file(path, kMaxBytes);
+  if (!text) return tl::make_unexpected(text.error());
+  return parse_quarantine(*text, path.string());
+}
+
+Expected<std::optional<Quarantine>> read_quarantine_if_any(const std::filesystem::path& path) {
+  std::error_code why;
+  if (std::filesystem::symlink_status(path, why).type() == std::filesystem::file_type::not_found) {
+    return std::optional<Quarantine>();
+  }
+  auto read = read_quarantine(path);
+  if (!read) return tl::make_unexpected(read.error());
+  return std::optional(*std::move(read));
 }
 
 Expected<Quarantine> read_quarantine_of(const std::filesystem::path& path, const MarkerMap& map,

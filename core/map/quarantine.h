@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/error.h"
@@ -32,8 +34,16 @@ struct Quarantine {
   std::vector<QuarantinedMarker> markers;
 };
 
-/// Reads it. no_input when absent; bad_data for anything else than that form.
+/// Reads it. no_input when absent; bad_data for anything else than that form: unknown members (of a
+/// newer version), values of another kind or out of range, a marker twice, more than 1 MB.
 [[nodiscard]] Expected<Quarantine> read_quarantine(const std::filesystem::path& path);
+
+/// The same, for whom none need be there: nullopt when absent, and only then.
+[[nodiscard]] Expected<std::optional<Quarantine>> read_quarantine_if_any(
+    const std::filesystem::path& path);
+
+/// The same from text; `name` stands for the path in messages.
+[[nodiscard]] Expected<Quarantine> parse_quarantine(std::string_view text, const std::string& name);
 
 /// The same, and it must belong to `map` (read from `map_path`): bad_data, naming both, when a
 /// vehicle made it against another.

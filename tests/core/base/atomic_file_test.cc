@@ -67,6 +67,60 @@ TEST(AtomicFile, FolderIsNotReplacedByAFile) {
   EXPECT_TRUE(fs::is_directory(folder.path()));
 }
 
+TEST(AtomicFile, ALinkStaysALinkAlsoWhereItsTargetIsNotThereYet) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "maps");
+  fs::create_symlink("maps/hall.map", folder.path() / "link");
+  fs::create_symlink("link", folder.path() / "second");
+  for (const char* content : {"first", "again"}) {
+    const auto written = write_file_atomically(folder.path() / "second", content);
+    ASSERT_TRUE(written) << written.error().message;
+    EXPECT_EQ(folder.read("maps/hall.map"), content);
+    EXPECT_TRUE(fs::is_symlink(folder.path() / "link"));
+    EXPECT_TRUE(fs::is_symlink(folder.path() / "second"));
+  }
+  fs::create_symlink(folder.path() / "absent" / "hall.map", folder.path() / "nowhere");
+  EXPECT_EQ(write_file_atomically(folder.path() / "nowhere", "x").error().kind,
+            ErrorKind::cant_create);
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "nowhere"));
+}
+
+TEST(AtomicFile, LinksThatLeadInCirclesAreRefused) {
+  const TemporaryFolder folder;
+  fs::create_symlink("self", folder.path() / "self");
+  fs::create_symlink("b", folder.path() / "a");
+  fs::create_symlink("a", folder.path() / "b");
+  for (const char* name : {"self", "a", "self/below", "a/below"}) {
+    const auto status = write_file_atomically(folder.path() / name, "x");
+    ASSERT_FALSE(status) << name;
+    EXPECT_EQ(status.error().kind, ErrorKind::cant_create) << name;
+  }
+  EXPECT_TRUE(fs::is_symlink(folder.path() / "self"));
+}
+
+TEST(AtomicFile, WhatIsReplacedKeepsItsMode) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("map", "good");
+  for (const unsigned mode : {0600U, 0640U, 0666U, 0755U}) {
+    fs::permissions(file, static_cast<fs::perms>(mode));
+    ASSERT_TRUE(write_file_atomically(file, "better"));
+    EXPECT_EQ(static_cast<unsigned>(fs::status(file).permissions()), mode);
+  }
+}
+
+TEST(AtomicFile, NamesMayBeAsLongAsTheSystemAllows) {
+  const TemporaryFolder folder;
+  const std::string longest(255, 'm');
+  const auto written = write_file_atomically(folder.path() / longest, "x");
+  ASSERT_TRUE(written) << written.error().message;
+  EXPECT_EQ(folder.read(longest), "x");
+  EXPECT_EQ(count_entries(folder.path()), 1U) << "a temporary file is left over";
+  const auto longer = write_file_atomically(folder.path() / (longest + "m"), "x");
+  ASSERT_FALSE(longer);
+  EXPECT_EQ(longer.error().kind, ErrorKind::io);
+  EXPECT_EQ(count_entries(folder.path()), 1U) << "a temporary file is left over";
+}
+
 /// Runs in a child process, because the limit holds for all of it.
 [[noreturn]] void write_beyond_the_limit(const fs::path& file) {
   std::signal(SIGXFSZ, SIG_IGN);

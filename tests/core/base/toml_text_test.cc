@@ -25,9 +25,78 @@ TEST(TomlText, SyntaxErrorNamesFileAndLine) {
   EXPECT_EQ(parse_toml("a = ", "locd.toml", ErrorKind::config).error().kind, ErrorKind::config);
 }
 
-TEST(TomlText, BinaryAndDeeplyNestedInputFailCleanly) {
+TEST(TomlText, BinaryInputFailsCleanly) {
   EXPECT_FALSE(parse_toml(std::string_view("\0\x01\xFF", 3), "x.toml"));
-  EXPECT_FALSE(parse_toml("a = " + std::string(100'000, '['), "x.toml"));
+}
+
+std::string repeated(const std::string& text, std::size_t times) {
+  std::string all;
+  for (std::size_t i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+/// Every way in which TOML nests, `levels` deep.
+std::vector<std::string> nested(std::size_t levels) {
+  const std::string dotted = "a" + repeated(".a", levels);
+  return {dotted + " = 1\n",
+          "[" + dotted + "]\n",
+          "[[" + dotted + "]]\n",
+          "a" + repeated(" . a", levels) + " = 1\n",
+          "\"a\"" + repeated(".'=\"'.\"#\\\"\"", levels / 2) + " = 1\n",
+          "x = [\"\"\"text\"\"\"\", {" + dotted + " = 1}]\n",
+          "x = ['\\', {" + dotted + " = 1}]\n",
+          "x = " + repeated("[", levels) + repeated("]", levels) + "\n",
+          "x = " + repeated("[", levels),
+          "x = " + repeated("[\n", levels),
+          "x = " + repeated("{a = ", levels) + "1" + repeated("}", levels) + "\n",
+          "x = " + repeated("[{a = ", levels / 2) + "1" + repeated("}]", levels / 2) + "\n",
+          "x = " + repeated("{a.a.a.a.a.a = ", levels) + "1" + repeated("}", levels) + "\n"};
+}
+
+TEST(TomlText, WhatNestsTooDeepIsRefusedBeforeItIsParsed) {
+  for (const std::size_t levels : {40, 1'000, 30'000, 500'000, 1'000'000}) {
+    for (const std::string& text : nested(levels)) {
+      const auto table = parse_toml("first = 1\n" + text, "x.toml", ErrorKind::config);
+      ASSERT_FALSE(table) << text.substr(0, 40);
+      EXPECT_EQ(table.error().kind, ErrorKind::config);
+      EXPECT_THAT(table.error().message, testing::StartsWith("x.toml: "));
+    }
+  }
+  EXPECT_EQ(parse_toml("first = 1\n" + nested(20).front(), "x.toml").error().message,
+            "x.toml: line 2: nested deeper than 16 levels; this is not such a file");
+}
+
+TEST(TomlText, WhatNestsAsDeepAsAllowedIsTaken) {
+  const int levels = kMaxTomlDepth;
+  EXPECT_TRUE(parse_toml("a" + repeated(".a", levels) + " = 1\n", "x.toml"));
+  EXPECT_FALSE(parse_toml("a" + repeated(".a", levels + 1) + " = 1\n", "x.toml"));
+  EXPECT_TRUE(parse_toml("a = " + repeated("[", levels) + repeated("]", levels), "x.toml"));
+  EXPECT_FALSE(
+      parse_toml("a = " + repeated("[", levels + 1) + repeated("]", levels + 1), "x.toml"));
+}
+
+TEST(TomlText, DotsAndBracketsInTextsNumbersAndCommentsNestNothing) {
+  const auto table = parse_toml(
+      "# [[[[[[[[[[[[[[[[[[[[ a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a.a\n"
+      "path = \"../../../../../../../../../[[[[[[[[[[[[[[[[[[[[\"\n"
+      "literal = '\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.\\.'\n"
+      "lines = \"\"\"\n....................\n\\\"\"\"[[[[[[[[[[[[[[[[[[[[\"\"\"\"\"\n"
+      "numbers = [1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, 1.5, "
+      "1.5, 1.5, 1.5, 1.5]\n" +
+          repeated("[[blocks]]\nsize = 1.5\n", 100),
+      "x.toml");
+  ASSERT_TRUE(table) << table.error().message;
+  EXPECT_EQ((*table)["blocks"].as_array()->size(), 100U);
+}
+
+TEST(TomlText, LargerThanAMebibyteIsRefused) {
+  std::string text = "a = 1\n#";
+  text += std::string(kMaxTomlBytes - text.size(), '.');
+  EXPECT_TRUE(parse_toml(text, "x.toml"));
+  EXPECT_FALSE(parse_toml(text + ".", "x.toml"));
+  const TemporaryFolder folder;
+  EXPECT_TRUE(read_toml(folder.write("x.toml", text)));
+  EXPECT_FALSE(read_toml(folder.write("x.toml", text + ".")));
 }
 
 TEST(TomlText, AbsentFileIsNoInput) {

@@ -235,6 +235,45 @@ TEST(Kalibr, EveryTruncationIsRefusedOrRead) {
   }
 }
 
+/// A rig of `cameras`, each of that resolution.
+std::string sized(int cameras, const std::string& resolution) {
+  std::string text;
+  for (int i = 0; i < cameras; ++i) {
+    text += fmt::format(
+        "cam{}:\n  camera_model: pinhole\n  intrinsics: [5e4, 5e4, 10, 10]\n"
+        "  distortion_model: none\n  resolution: [{}]\n",
+        i, resolution);
+    if (i > 0) text += "  T_cn_cnm1:\n" + kTurned;
+  }
+  return text;
+}
+
+TEST(Kalibr, ImagesOfMoreThanTwoHundredMegapixelsInAllAreRefused) {
+  EXPECT_EQ(message_of(sized(1, "20000, 10000")), "no error");
+  EXPECT_THAT(message_of(sized(1, "20001, 10000")), HasSubstr("200 megapixels in all"));
+  EXPECT_THAT(message_of(sized(1, "100000, 100000")),
+              AllOf(StartsWith("rig.yaml: cam0: "), HasSubstr("100000×100000 px")));
+  EXPECT_EQ(message_of(sized(5, "8000, 5000")), "no error");
+  EXPECT_THAT(message_of(sized(6, "8000, 5000")), StartsWith("rig.yaml: cam5: "));
+}
+
+TEST(Kalibr, DepthAndSizeAreBounded) {
+  for (const char* level : {"[", "{a: ", "- ", "? ", "&a [", "!!seq ["}) {
+    for (const std::size_t levels : {1'000, 150'000, 1'000'000}) {
+      std::string text = "cam0: ";
+      for (std::size_t i = 0; i < levels; ++i) text += level;
+      EXPECT_THAT(message_of(text), StartsWith("rig.yaml: ")) << level << " " << levels;
+    }
+  }
+  std::string steps;
+  for (int i = 0; i < 1'400; ++i) steps += std::string(static_cast<std::size_t>(i), ' ') + "a:\n";
+  EXPECT_THAT(message_of(steps), StartsWith("rig.yaml: "));
+  const std::string comment = chain() + "#";
+  const std::string most = comment + std::string(kMaxCamchainBytes - comment.size(), ' ');
+  EXPECT_EQ(message_of(most), "no error");
+  EXPECT_THAT(message_of(most + " "), HasSubstr("larger than 1048576 bytes"));
+}
+
 TEST(Kalibr, FilesAreReadAndAbsentOnesNoInput) {
   const test::TemporaryFolder folder;
   EXPECT_TRUE(read_camchain(folder.write("rig.yaml", "\xEF\xBB\xBF" + chain())));

@@ -54,6 +54,17 @@ TEST_F(Tum, BadLinesAreNamedByNumber) {
   }
 }
 
+TEST_F(Tum, PositionsLieWithinAThousandKilometres) {
+  EXPECT_TRUE(parse_tum("0 1e6 -1e6 1000000 0 0 0 1\n", "a.tum"));
+  for (const char* bad : {"1000000.1", "-1e7", "1e308"}) {
+    const auto poses = parse_tum(fmt::format("0 0 {} 0 0 0 0 1\n", bad), "a.tum");
+    ASSERT_FALSE(poses) << bad;
+    EXPECT_EQ(poses.error().message, fmt::format("a.tum: line 1: position of {} m, beyond 1000 km; "
+                                                 "positions are in metres",
+                                                 bad));
+  }
+}
+
 TEST_F(Tum, AbsentFileIsNoInput) {
   const auto poses = read_tum(folder_.path() / "absent.tum");
   ASSERT_FALSE(poses);

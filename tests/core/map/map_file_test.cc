@@ -12,6 +12,7 @@
 #include <waymark/map_submap_t.hpp>
 #include <waymark/map_world_t.hpp>
 
+#include "core/base/atomic_file.h"
 #include "tests/support/small_map.h"
 #include "tests/support/temporary_folder.h"
 
@@ -188,6 +189,57 @@ TEST(MapFile, AFileOfVersion1IsReadAsItWasMeant) {
   // Written again it is of the present version.
   EXPECT_EQ(encoded(*surveyed).substr(8, 4), std::string("\x02\0\0\0", 4));
   EXPECT_THAT(refusal(container(old.file().substr(kHeaderSize), 1)), HasSubstr("no map_marker_t"));
+}
+
+/// Files written from docs/map_format.md, once and for all.
+MarkerMap golden(const std::string& name) {
+  auto map = read_map_file(std::filesystem::path(WAYMARK_GOLDEN_MAPS) / name);
+  EXPECT_TRUE(map) << map.error().message;
+  return map ? *std::move(map) : MarkerMap{};
+}
+
+/// What both hold alike.
+void expect_golden(const MarkerMap& map) {
+  ASSERT_EQ(map.submaps.size(), 2U);
+  EXPECT_EQ(map.submaps[0].frame_sets, 42U);
+  EXPECT_EQ(map.submaps[0].rms_all_px, 0.5);
+  ASSERT_EQ(map.submaps[0].markers.size(), 2U);
+  const MapMarker& marker = map.submaps[0].markers[0];
+  EXPECT_EQ(marker.id, (MarkerId{Family::tag36h11, 3}));
+  EXPECT_EQ(marker.stated_size_m, 0.12);
+  EXPECT_EQ(marker.size_m, 0.1205);
+  EXPECT_EQ(marker.world_from_marker.translation, Eigen::Vector3d(1.5, -0.25, 0.125));
+  EXPECT_EQ(marker.world_from_marker.rotation.coeffs(), Eigen::Vector4d(0.5, 0.5, 0.5, 0.5));
+  EXPECT_EQ(marker.covariance(2, 2), 3e-6);
+  EXPECT_EQ(marker.observations, 13U);
+  EXPECT_EQ(marker.rejected, 1U);
+  EXPECT_EQ(marker.rms_px, 0.25);
+  EXPECT_TRUE(marker.verified);
+  EXPECT_FALSE(map.submaps[0].markers[1].covariance_known());
+  EXPECT_FALSE(map.submaps[0].markers[1].verified);
+  EXPECT_TRUE(map.submaps[0].z_is_up);
+  EXPECT_FALSE(map.submaps[1].z_is_up);
+  EXPECT_EQ(map.submaps[1].markers.at(0).id, (MarkerId{Family::aruco_4x4_50, 7}));
+}
+
+TEST(MapFile, TheGoldenFileOfVersion1IsRead) {
+  const MarkerMap map = golden("version_1.map");
+  expect_golden(map);
+  EXPECT_EQ(map.builder_version, "0.0.9");
+  EXPECT_EQ(map.rig_fingerprint, "0123456789abcdef");
+  EXPECT_EQ(map.submaps[0].frame, FrameKind::facility);
+  EXPECT_TRUE(map.submaps[1].markers[0].covariance_known());
+}
+
+TEST(MapFile, TheGoldenFileOfVersion2IsReadAndWrittenAsItIs) {
+  const MarkerMap map = golden("version_2.map");
+  expect_golden(map);
+  EXPECT_EQ(map.rig_fingerprint, "");
+  EXPECT_EQ(map.submaps[0].frame, FrameKind::scaled);
+  EXPECT_TRUE(map.submaps[1].markers[0].covariance.isZero(0)) << "known exactly";
+  const auto bytes = read_file(std::filesystem::path(WAYMARK_GOLDEN_MAPS) / "version_2.map");
+  EXPECT_EQ(encoded(map), *bytes);
+  EXPECT_EQ(content_hash(map), "e15bdf8e774f655a");
 }
 
 TEST(MapFile, UnknownCovariancesStayUnknownAndExactOnesExact) {

@@ -43,7 +43,22 @@ TEST(Quarantine, RefusesWhatIsNone) {
   EXPECT_EQ(read_quarantine(folder.path() / "absent").error().kind, ErrorKind::no_input);
   for (
       const char* text :
-      {"", "{", "[]", "{\"map_hash\": 5, \"markers\": []}", "{\"map_hash\": \"a\"}",
+      {"",
+       "{",
+       "[]",
+       "{\"map_hash\": 5, \"markers\": []}",
+       "{\"map_hash\": \"a\"}",
+       R"({"map_hash":"a","markers":[{"id":4294967308,"family":"tag36h11","state":"MOVED","since_utime":0,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":12.7,"family":"tag36h11","state":"MOVED","since_utime":0,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":-1,"family":"tag36h11","state":"MOVED","since_utime":0,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":"tag36h11:3","family":"aruco_4x4_50","state":"MOVED","since_utime":0,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":3,"family":"tag36h11","state":"MOVED","since_utime":-1,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":3,"family":"tag36h11","state":"MOVED","since_utime":1.5,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[{"id":3,"family":"tag36h11","state":"MOVED","since_utime":1,"offset_m":0,"why":"x"}]})",
+       R"({"map_hash":"a","markers":[{"id":3,"family":"tag36h11","state":"MOVED","since_utime":1,"offset_m":1e300}]})",
+       R"({"map_hash":"a","markers":[{"id":3,"family":"tag36h11","state":"MOVED","since_utime":1,"offset_m":0},{"id":3,"family":"tag36h11","state":"MOVED","since_utime":1,"offset_m":0}]})",
+       R"({"map_hash":"a","markers":[],"version":2})",
+       R"({"map_hash":"a","markers":[[[[[[[[[[]]]]]]]]]})",
        R"({"map_hash":"a","markers":[{"id":1,"family":"none","state":"MOVED","since_utime":0,"offset_m":0}]})",
        R"({"map_hash":"a","markers":[{"id":999999,"family":"tag36h11","state":"MOVED","since_utime":0,"offset_m":0}]})",
        R"({"map_hash":"a","markers":[{"id":1,"family":"tag36h11","state":"GONE","since_utime":0,"offset_m":0}]})",
@@ -54,6 +69,33 @@ TEST(Quarantine, RefusesWhatIsNone) {
     EXPECT_EQ(read.error().kind, ErrorKind::bad_data) << text;
     EXPECT_NE(read.error().message.find("bad.json"), std::string::npos);
   }
+}
+
+TEST(Quarantine, AbsentIsNotDamaged) {
+  const TemporaryFolder folder;
+  const auto absent = read_quarantine_if_any(folder.path() / "absent.json");
+  ASSERT_TRUE(absent) << absent.error().message;
+  EXPECT_FALSE(absent->has_value());
+  const auto path = folder.write("q.json", R"({"map_hash":"a","markers":[]})");
+  const auto there = read_quarantine_if_any(path);
+  ASSERT_TRUE(there) << there.error().message;
+  ASSERT_TRUE(there->has_value());
+  EXPECT_EQ((*there)->map_hash, "a");
+  folder.write("q.json", "{\"map_hash\":");
+  EXPECT_EQ(read_quarantine_if_any(path).error().kind, ErrorKind::bad_data);
+  std::filesystem::remove(path);
+  std::filesystem::create_symlink(folder.path() / "absent", path);
+  EXPECT_FALSE(read_quarantine_if_any(path)) << "a dangling link is something";
+  std::filesystem::remove(path);
+  std::filesystem::create_directory(path);
+  EXPECT_FALSE(read_quarantine_if_any(path)) << "so is a folder";
+}
+
+TEST(Quarantine, LargerThanAMegabyteIsNone) {
+  const std::string text = R"({"map_hash":"a","markers":[]})";
+  const std::string most = text + std::string((std::size_t{1} << 20) - text.size(), ' ');
+  EXPECT_TRUE(parse_quarantine(most, "q.json"));
+  EXPECT_FALSE(parse_quarantine(most + " ", "q.json"));
 }
 
 TEST(Quarantine, OfAnotherMapIsSaidToBe) {

@@ -1,0 +1,25 @@
+#include "core/base/same_file.h"
+
+#include <system_error>
+
+namespace waymark {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path place_of(const fs::path& path) {
+  std::error_code failed;
+  const fs::path absolute = fs::absolute(path, failed);
+  const fs::path written = (failed ? path : absolute).lexically_normal();
+  const fs::path resolved = fs::weakly_canonical(written, failed);
+  return failed ? written : resolved;
+}
+
+}  // namespace
+
+bool is_same_file(const fs::path& a, const fs::path& b) {
+  std::error_code unknown;
+  return fs::equivalent(a, b, unknown) || place_of(a) == place_of(b);
+}
+
+}  // namespace waymark

@@ -1,0 +1,44 @@
+#include "core/base/same_file.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/temporary_folder.h"
+
+namespace waymark {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(SameFile, UnderAnyName) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("a.map", "x");
+  fs::create_symlink("a.map", folder.path() / "link");
+  fs::create_hard_link(file, folder.path() / "twin");
+  fs::create_directory(folder.path() / "sub");
+  for (const fs::path& other : {file, folder.path() / "link", folder.path() / "twin",
+                                folder.path() / "sub" / ".." / "a.map"}) {
+    EXPECT_TRUE(is_same_file(file, other)) << other;
+  }
+  EXPECT_FALSE(is_same_file(file, folder.write("b.map", "x")));
+}
+
+TEST(SameFile, ThatIsNotThereYet) {
+  const TemporaryFolder folder;
+  fs::create_directory(folder.path() / "sub");
+  fs::create_symlink("sub", folder.path() / "way");
+  const fs::path absent = folder.path() / "sub" / "a.map";
+  EXPECT_TRUE(is_same_file(absent, folder.path() / "way" / "a.map"));
+  EXPECT_TRUE(is_same_file(absent, folder.path() / "sub" / "." / "a.map"));
+  EXPECT_FALSE(is_same_file(absent, folder.path() / "way" / "b.map"));
+}
+
+TEST(SameFile, LinksInCirclesThrowNothing) {
+  const TemporaryFolder folder;
+  fs::create_symlink("loop", folder.path() / "loop");
+  EXPECT_TRUE(is_same_file(folder.path() / "loop", folder.path() / "loop"));
+  EXPECT_FALSE(is_same_file(folder.path() / "loop", folder.path() / "a.map"));
+  EXPECT_FALSE(is_same_file(folder.path() / "loop" / "a", folder.path() / "loop" / "b"));
+}
+
+}  // namespace
+}  // namespace waymark
