@@ -20,8 +20,13 @@ struct PoseEquations {
 struct PoseOptimum {
   Rigid3 pose;
   double cost = 0;
-  Matrix6d covariance = Matrix6d::Zero();  ///< inverse Hessian at the optimum
+  /// Inverse Hessian at the optimum; none where the observations leave some direction free: all of
+  /// them gross, too few, or all from afar.
+  std::optional<Matrix6d> covariance;
 };
+
+/// Inverse of a pose's Hessian; nullopt where it has none that could be told from rounding.
+[[nodiscard]] std::optional<Matrix6d> pose_covariance(const Matrix6d& hessian);
 
 /// Levenberg–Marquardt over one pose. `linearize(pose)` gives the PoseEquations there; steps that
 /// raise the cost are taken back. Ends when a step promises less than 1e-7 sigmas². nullopt when
@@ -53,8 +58,7 @@ template <typename Linearize>
     }
     if (promised < kNegligibleDecrease || damping > 1e12) break;
   }
-  const Eigen::LDLT<Matrix6d> factor(here.hessian);
-  return PoseOptimum{pose, here.cost, factor.solve(Matrix6d::Identity())};
+  return PoseOptimum{pose, here.cost, pose_covariance(here.hessian)};
 }
 
 }  // namespace waymark

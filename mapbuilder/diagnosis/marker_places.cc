@@ -51,8 +51,9 @@ std::optional<PlaceCluster> settled(const MapEvidence& evidence,
       cost += s;
     }
     if (cluster.views.size() < 2) return std::nullopt;
+    if (!placed->covariance) return std::nullopt;
     const double freedoms = 8.0 * static_cast<double>(cluster.views.size()) - 6.0;
-    cluster.sigma_m = std::sqrt(placed->covariance.diagonal().head<3>().maxCoeff() *
+    cluster.sigma_m = std::sqrt(placed->covariance->diagonal().head<3>().maxCoeff() *
                                 std::max(1.0, cost / freedoms));
     if (cluster.views.size() == before) break;
     placing = cluster.views;

@@ -67,7 +67,8 @@ TEST(RigPoseSolver, CovarianceIsConsistentWithTheErrors) {
     const auto estimate = solver.solve(set.fixed);
     ASSERT_TRUE(estimate);
     const Vector6d e = estimate->best.pose.minus(set.truth);
-    sum += e.dot(estimate->best.covariance.ldlt().solve(e));
+    ASSERT_TRUE(estimate->best.covariance);
+    sum += e.dot(estimate->best.covariance->ldlt().solve(e));
   }
   const double mean = sum / options.frame_sets;
   EXPECT_NEAR(mean, 6.0, 2.576 * std::sqrt(12.0 / options.frame_sets));
