@@ -90,7 +90,7 @@ ApriltagDetector::~ApriltagDetector() {
   }
 }
 
-const std::vector<Detection>& ApriltagDetector::detect(const GrayView& image) {
+const std::vector<Detection>& ApriltagDetector::find(const GrayView& image) {
   std::vector<Detection>& detections = implementation_->detections;
   detections.clear();
   const double min_side_px = implementation_->min_side_px;

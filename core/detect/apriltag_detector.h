@@ -15,7 +15,7 @@ class ApriltagDetector final : public MarkerDetector {
   ApriltagDetector(const std::vector<Family>& families, const DetectorOptions& options);
   ~ApriltagDetector() override;
 
-  [[nodiscard]] const std::vector<Detection>& detect(const GrayView& image) override;
+  [[nodiscard]] const std::vector<Detection>& find(const GrayView& image) override;
 
  private:
   struct Implementation;

@@ -110,6 +110,8 @@ struct ArucoDetector::Implementation {
 
 ArucoDetector::ArucoDetector(const std::vector<Family>& families, const DetectorOptions& options)
     : implementation_(std::make_unique<Implementation>(families)) {
+  // OpenCV prints what it throws, beside the one line that we make of it.
+  cv::redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
   for (const Family family : families) {
     implementation_->passes.push_back({family, correcting_dictionary(family)});
   }
@@ -127,7 +129,7 @@ ArucoDetector::ArucoDetector(const std::vector<Family>& families, const Detector
 
 ArucoDetector::~ArucoDetector() = default;
 
-const std::vector<Detection>& ArucoDetector::detect(const GrayView& image) {
+const std::vector<Detection>& ArucoDetector::find(const GrayView& image) {
   std::vector<Detection>& detections = implementation_->detections;
   std::vector<std::vector<cv::Point2f>>& quads = implementation_->quads;
   std::vector<int>& numbers = implementation_->numbers;

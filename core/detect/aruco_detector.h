@@ -18,7 +18,7 @@ class ArucoDetector final : public MarkerDetector {
   ArucoDetector(const std::vector<Family>& families, const DetectorOptions& options);
   ~ArucoDetector() override;
 
-  [[nodiscard]] const std::vector<Detection>& detect(const GrayView& image) override;
+  [[nodiscard]] const std::vector<Detection>& find(const GrayView& image) override;
 
  private:
   struct Implementation;

@@ -47,7 +47,9 @@ ImageDetector::ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOp
 /// Exact corners of everything found that the catalog knows; what has none is counted.
 void ImageDetector::refine_known(const GrayView& image, const CameraModel& camera) {
   refined_.clear();
-  for (const Detection& rough : detector_->detect(image)) {
+  const std::vector<Detection>& all = detector_->detect(image);
+  found_.failure = detector_->failure();
+  for (const Detection& rough : all) {
     ++found_.counts.found;
     if (!catalog_.size_m(rough.marker)) {
       ++found_.counts.unknown;

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "core/detect/common_blur.h"
@@ -33,6 +34,7 @@ struct DetectionCounts {
 struct FoundMarkers {
   std::vector<Detection> detections;  ///< by rising (id, first corner), every one with covariances
   DetectionCounts counts;
+  std::string failure;  ///< why the image could not be searched; empty as a rule
 };
 
 /// Finds the markers of a catalog in images: find and decode, refine the corners (those on

@@ -1,10 +1,12 @@
 #include "core/detect/marker_detector.h"
 
 #include <algorithm>
+#include <exception>
 #include <tuple>
 #include <utility>
 
 #include "core/base/check.h"
+#include "core/base/one_line.h"
 #include "core/detect/apriltag_detector.h"
 #include "core/detect/aruco_detector.h"
 
@@ -24,11 +26,12 @@ class CombinedDetector final : public MarkerDetector {
   explicit CombinedDetector(std::vector<std::unique_ptr<MarkerDetector>> parts)
       : parts_(std::move(parts)) {}
 
-  const std::vector<Detection>& detect(const GrayView& image) override {
+  const std::vector<Detection>& find(const GrayView& image) override {
     all_.clear();
     for (const auto& part : parts_) {
       const std::vector<Detection>& found = part->detect(image);
       all_.insert(all_.end(), found.begin(), found.end());
+      if (!part->failure().empty()) set_failure(part->failure());
     }
     std::sort(all_.begin(), all_.end(), in_order);
     return all_;
@@ -70,6 +73,19 @@ std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
 }
 
 }  // namespace
+
+const std::vector<Detection>& MarkerDetector::detect(const GrayView& image) noexcept {
+  static const std::vector<Detection> nothing;
+  failure_.clear();
+  try {
+    return find(image);
+  } catch (const std::exception& error) {
+    failure_ = in_one_line(error.what());
+  } catch (...) {
+    failure_ = "the detector's library failed";
+  }
+  return nothing;
+}
 
 bool engine_knows(DetectorEngine engine, Family family) {
   return engine == DetectorEngine::opencv || family >= Family::tag16h5;

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/capture/detection.h"
@@ -15,11 +16,28 @@ namespace waymark {
 /// (pixel centre at integers); refine_corners makes them exact. One detector per thread.
 class MarkerDetector {
  public:
+  MarkerDetector() = default;
+  MarkerDetector(const MarkerDetector&) = delete;
+  MarkerDetector& operator=(const MarkerDetector&) = delete;
   virtual ~MarkerDetector() = default;
+
   /// All markers of the detector's families, by rising (id, first corner); no covariances yet. The
   /// same id may appear twice. Same image, same result, whatever the number of OpenCV's threads.
-  /// The result is the detector's own, valid until the next call.
-  [[nodiscard]] virtual const std::vector<Detection>& detect(const GrayView& image) = 0;
+  /// The result is the detector's own, valid until the next call. Nothing is found where the
+  /// library behind it fails; `failure` says why. Never throws.
+  [[nodiscard]] const std::vector<Detection>& detect(const GrayView& image) noexcept;
+
+  /// Why the last image could not be searched; empty as a rule.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
+
+ protected:
+  /// The same, which may throw what the library throws.
+  [[nodiscard]] virtual const std::vector<Detection>& find(const GrayView& image) = 0;
+
+  void set_failure(const std::string& why) { failure_ = why; }
+
+ private:
+  std::string failure_;
 };
 
 /// What a detector looks for.

@@ -8,8 +8,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <new>
 #include <opencv2/aruco/dictionary.hpp>
 #include <random>
+#include <stdexcept>
 
 #include "core/detect/aruco_detector.h"
 #include "core/marker/marker_bits.h"
@@ -267,6 +269,56 @@ TEST(CorrectableBits, StaysWithinDistanceAndChance) {
   for (const FamilyTraits& family : all_families()) {
     EXPECT_LE(correctable_bits(family.family), 9) << family.name;
   }
+}
+
+/// A library that fails every other time.
+template <typename Thrown>
+class FailingDetector final : public MarkerDetector {
+ public:
+  explicit FailingDetector(Thrown thrown) : thrown_(std::move(thrown)) {}
+
+ private:
+  const std::vector<Detection>& find(const GrayView&) override {
+    if (fails_ = !fails_; fails_) throw thrown_;
+    return found_;
+  }
+
+  Thrown thrown_;
+  bool fails_ = false;
+  std::vector<Detection> found_{Detection{}};
+};
+
+template <typename Thrown>
+void expect_held(const Thrown& thrown, const std::string& reason) {
+  FailingDetector<Thrown> detector(thrown);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(detector.detect({}).empty());
+    EXPECT_NE(detector.failure().find(reason), std::string::npos) << detector.failure();
+    EXPECT_EQ(detector.failure().find('\n'), std::string::npos);
+    EXPECT_EQ(detector.detect({}).size(), 1U);
+    EXPECT_EQ(detector.failure(), "");
+  }
+}
+
+TEST(MarkerDetector, WhatALibraryThrowsIsAReasonNotTheEnd) {
+  expect_held(cv::Exception(cv::Error::StsAssert, "assertion failed\n", "f", "f.cpp", 7),
+              "assertion failed");
+  expect_held(std::runtime_error("two\nlines"), "two");
+  expect_held(std::bad_alloc(), "bad_alloc");
+  expect_held(42, "the detector's library failed");
+}
+
+TEST(MarkerDetector, OpenCvsOwnFailuresAreHeldSilently) {
+  const std::vector<Family> families{Family::tag36h11, Family::aruco_4x4_50};
+  const auto detector = make_detector(families);
+  ::testing::internal::CaptureStderr();
+  const GrayView without_pixels{nullptr, 64, 64, 64};
+  EXPECT_TRUE(detector->detect(without_pixels).empty());
+  EXPECT_NE(detector->failure(), "");
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "");
+  const GrayImage image(64, 64, 200);
+  EXPECT_TRUE(detector->detect(image.view()).empty());
+  EXPECT_EQ(detector->failure(), "");
 }
 
 }  // namespace
