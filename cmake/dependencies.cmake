@@ -13,14 +13,18 @@ pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 set_property(TARGET PkgConfig::LCM PROPERTY INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
 find_package(spdlog REQUIRED)
-# Only the video importer links videoio: each start of a program that does costs 70 MB and 0.1–0.2 s.
-waymark_opencv_module(videoio)
+# Only the video importer links FFmpeg's: each start of a program that does costs 70 MB and 0.1–0.2 s.
+pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
 
 if(WAYMARK_TESTS)
   find_package(GTest REQUIRED)
   foreach(module calib3d imgcodecs)
     waymark_opencv_module(${module})
   endforeach()
+  # They write with one library what is read with another.
+  find_package(JPEG REQUIRED)
+  find_package(PNG REQUIRED)
+  find_package(ZLIB REQUIRED)
 endif()
 if(WAYMARK_JAVA)
   find_file(LCM_JAR lcm.jar PATHS /usr/share/java NO_DEFAULT_PATH REQUIRED)

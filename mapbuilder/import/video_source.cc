@@ -2,7 +2,7 @@
 
 #include <dlfcn.h>
 
-#include "mapbuilder/import/opencv_video.h"
+#include "mapbuilder/import/video_module.h"
 
 namespace waymark {
 namespace {

@@ -42,7 +42,8 @@ MAY_INCLUDE = {
 
 # Libraries that only some folders may see; every other folder that includes them is wrong.
 ONLY_IN = {
-    r"opencv2/(videoio|imgcodecs|highgui)": ["mapbuilder/import"],
+    r"opencv2/(videoio|imgcodecs|highgui)": [],
+    r"lib(av|sw)[a-z]+/": ["mapbuilder/import"],
     r"ceres/": ["mapbuilder/bundle"],
     r"lcm/lcm": ["locd/publish"],
     r"CLI/": ["mapbuilder", "simulator", "locd/main.cc"],

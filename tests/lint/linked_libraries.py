@@ -10,8 +10,8 @@ import re
 import subprocess
 import sys
 
-# Windows, videos and image files of OpenCV: each start costs 70 MB and 0.1–0.2 s.
-FORBIDDEN = r"libopencv_(highgui|videoio|imgcodecs)|libgtk|libQt|libavcodec"
+# Windows, videos and image files: each start costs 70 MB and 0.1–0.2 s.
+FORBIDDEN = r"libopencv_(highgui|videoio|imgcodecs)|libgtk|libQt|libavcodec|libavformat"
 
 
 def needed(program):

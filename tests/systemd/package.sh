@@ -24,4 +24,4 @@ for script in postinst prerm postrm; do sh -n "control/$script"; done
 ! sed '/^abort-remove)/,/;;/d' control/postinst | grep -E 'systemctl (enable|start|restart)' || exit 1
 ! grep '/multi-user.target.wants/' files || exit 1
 # The vehicle needs neither video importers nor windows.
-! grep -E 'opencv-(videoio|highgui|imgcodecs)' control/control || exit 1
+! grep -E '(opencv-(videoio|highgui|imgcodecs)|libavcodec)' control/control || exit 1

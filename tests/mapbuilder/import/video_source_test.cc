@@ -2,11 +2,13 @@
 
 #include <gmock/gmock.h>
 
-#include <opencv2/videoio.hpp>
+#include <set>
 
 #include "core/camera/kalibr.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_pattern.h"
 #include "tests/support/tiny_capture.h"
+#include "tests/support/video_writer.h"
 
 namespace waymark {
 namespace {
@@ -18,18 +20,18 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 /// Grey level of a test video's frame, far enough from its neighbours' for the codec.
-int gray_level(int frame) { return 10 + 20 * frame; }
+int gray_level(int frame) { return 10 + 20 * (frame % 12); }
 
 class VideoInput : public testing::Test {
  protected:
-  /// A Motion JPEG video of 64×48 px; frame i is evenly gray_level(i).
-  [[nodiscard]] fs::path make_video(const char* name, int frames, double fps) const {
+  /// A Motion JPEG video of 64×48 px; frame i is evenly gray_level(i) and `lost` are left out.
+  [[nodiscard]] fs::path make_video(const char* name, int frames, int rate_hz,
+                                    const std::set<int>& lost = {}) const {
     const fs::path path = folder_.path() / name;
-    cv::VideoWriter writer(path.string(), cv::CAP_OPENCV_MJPEG,
-                           cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), fps, cv::Size(64, 48));
-    EXPECT_TRUE(writer.isOpened());
+    test::VideoWriter writer(path, {.rate_hz = rate_hz});
     for (int i = 0; i < frames; ++i) {
-      writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(gray_level(i))));
+      if (lost.contains(i)) continue;
+      writer.write(GrayImage(64, 48, static_cast<std::uint8_t>(gray_level(i))).view(), i);
     }
     return path;
   }
@@ -81,11 +83,9 @@ TEST_F(VideoInput, YieldsFramesWithTheContainersStamps) {
 TEST_F(VideoInput, FramesThatTheCodecDelaysKeepTheirStamps) {
   const fs::path path = folder_.path() / "a.mp4";
   {
-    cv::VideoWriter writer(path.string(), cv::CAP_FFMPEG,
-                           cv::VideoWriter::fourcc('a', 'v', 'c', '1'), 25, cv::Size(64, 48));
-    ASSERT_TRUE(writer.isOpened());
+    test::VideoWriter writer(path, {.codec = "mpeg4", .b_frames = 2});
     for (int i = 0; i < 12; ++i) {
-      writer.write(cv::Mat(48, 64, CV_8UC3, cv::Scalar::all(gray_level(i))));
+      writer.write(GrayImage(64, 48, static_cast<std::uint8_t>(gray_level(i))).view(), i);
     }
   }
   auto source = open_videos({path}, rig(1), {});
@@ -93,7 +93,8 @@ TEST_F(VideoInput, FramesThatTheCodecDelaysKeepTheirStamps) {
   const auto frames = frames_of(**source);
   ASSERT_EQ(frames.size(), 12U);
   for (int i = 0; i < 12; ++i) {
-    EXPECT_EQ(frames[static_cast<std::size_t>(i)].stamp, milliseconds(40 * i));
+    // Whichever the first is: codecs that hold frames back begin later.
+    EXPECT_EQ(frames[static_cast<std::size_t>(i)].stamp - frames[0].stamp, milliseconds(40 * i));
     EXPECT_NEAR(frames[static_cast<std::size_t>(i)].image.row(20)[30], gray_level(i), 8);
   }
 }
@@ -108,17 +109,95 @@ TEST_F(VideoInput, TakesOneOfEveryFew) {
   EXPECT_NEAR(frames[2].image.row(0)[0], gray_level(6), 4);
 }
 
+/// (ms, camera) of every frame.
+std::vector<std::pair<int, int>> times_of(const std::vector<VideoFrame>& frames) {
+  std::vector<std::pair<int, int>> times;
+  for (const VideoFrame& frame : frames) {
+    times.emplace_back(static_cast<int>(frame.stamp / milliseconds(1)), frame.camera);
+  }
+  return times;
+}
+
 TEST_F(VideoInput, SynchronizedVideosMeetByStampThenCamera) {
   auto source = open_videos({make_video("a.avi", 3, 25), make_video("b.avi", 5, 50)}, rig(2),
                             {.synchronized = true});
   ASSERT_TRUE(source) << source.error().message;
-  std::vector<std::pair<int, int>> order;  // ms, camera
-  for (const VideoFrame& frame : frames_of(**source)) {
-    order.emplace_back(static_cast<int>(frame.stamp / milliseconds(1)), frame.camera);
-  }
-  EXPECT_THAT(order,
+  EXPECT_THAT(times_of(frames_of(**source)),
               ElementsAre(std::pair(0, 0), std::pair(0, 1), std::pair(20, 1), std::pair(40, 0),
                           std::pair(40, 1), std::pair(60, 1), std::pair(80, 0), std::pair(80, 1)));
+}
+
+TEST_F(VideoInput, AFrameThatOneVideoLostShiftsNothing) {
+  const std::set<int> variants[] = {{0}, {4}, {10}, {3, 11, 12, 13}, {1, 2, 3, 4, 5, 6, 7, 8, 9}};
+  for (const std::set<int>& lost : variants) {
+    auto source = open_videos({make_video("a.mkv", 45, 25), make_video("b.mkv", 45, 25, lost)},
+                              rig(2), {.every = 10, .synchronized = true});
+    ASSERT_TRUE(source) << source.error().message;
+    std::vector<std::pair<int, int>> expected;
+    for (const int frame : {0, 10, 20, 30, 40}) {
+      expected.emplace_back(40 * frame, 0);
+      if (!lost.contains(frame)) expected.emplace_back(40 * frame, 1);
+    }
+    EXPECT_EQ(times_of(frames_of(**source)), expected) << *lost.begin();
+  }
+}
+
+TEST_F(VideoInput, LostFramesShowInTheStamps) {
+  auto source = open_videos({make_video("a.mkv", 8, 25, {2, 3})}, rig(1), {});
+  ASSERT_TRUE(source) << source.error().message;
+  EXPECT_THAT(times_of(frames_of(**source)),
+              ElementsAre(std::pair(0, 0), std::pair(40, 0), std::pair(160, 0), std::pair(200, 0),
+                          std::pair(240, 0), std::pair(280, 0)));
+}
+
+TEST_F(VideoInput, APictureOfAnotherSizeOnTheWayEndsWithAClearError) {
+  const std::pair<int, int> variants[] = {{80, 48}, {64, 32}, {128, 96}, {32, 24}};
+  for (const auto& [width, height] : variants) {
+    const fs::path path = folder_.path() / "a.mkv";
+    {
+      test::VideoWriter writer(path);
+      for (int i = 0; i < 6; ++i) {
+        writer.write(i < 3 ? GrayImage(64, 48, 100).view() : GrayImage(width, height, 100).view(),
+                     i);
+      }
+    }
+    auto source = open_videos({path}, rig(1), {});
+    ASSERT_TRUE(source) << source.error().message;
+    int frames = 0;
+    Expected<std::optional<VideoFrame>> frame = (*source)->next();
+    for (; frame && *frame; frame = (*source)->next()) ++frames;
+    EXPECT_LE(frames, 3);
+    ASSERT_FALSE(frame) << width << "×" << height;
+    EXPECT_EQ(frame.error().kind, ErrorKind::bad_data);
+    EXPECT_THAT(frame.error().message,
+                HasSubstr(fmt::format("frame 3: the picture is {}×{} from here on, 64×48 before",
+                                      width, height)));
+  }
+}
+
+TEST_F(VideoInput, LumaReachesFromBlackToWhiteInEitherRange) {
+  for (const char* codec : {"mjpeg", "mpeg4"}) {  // full range; 16 to 235, which is stated nowhere
+    const fs::path path = folder_.path() / "a.avi";
+    {
+      test::VideoWriter writer(path, {.codec = codec});
+      for (int i = 0; i < 3; ++i) writer.write(GrayImage(64, 48, 200).view(), i);
+    }
+    auto source = open_videos({path}, rig(1), {});
+    ASSERT_TRUE(source) << source.error().message;
+    for (const VideoFrame& frame : frames_of(**source)) {
+      EXPECT_NEAR(frame.image.row(10)[10], 200, 3) << codec;
+    }
+  }
+}
+
+TEST_F(VideoInput, PlayListsAreNoVideos) {
+  const fs::path video = make_video("a.avi", 2, 25);
+  const std::string lists[] = {"#EXTM3U\n#EXTINF:1,\n" + video.string() + "\n",
+                               "ffconcat version 1.0\nfile " + video.string() + "\n"};
+  for (const std::string& list : lists) {
+    expect_failure(open_videos({folder_.write("list.m3u8", list)}, rig(1), {}), ErrorKind::bad_data,
+                   "list.m3u8: not a video");
+  }
 }
 
 TEST_F(VideoInput, UsageIsChecked) {
@@ -153,8 +232,12 @@ TEST_F(VideoInput, FramesOfAnotherSizeAreRefused) {
 }
 
 TEST_F(VideoInput, TruncatedVideoYieldsWhatIsThereAndSaysSo) {
-  const fs::path whole = make_video("a.avi", 8, 25);
-  fs::resize_file(whole, fs::file_size(whole) / 2);
+  const fs::path whole = folder_.path() / "a.avi";
+  {
+    test::VideoWriter writer(whole);
+    for (int i = 0; i < 8; ++i) writer.write(test_pattern(64, 48).view(), i);
+  }
+  fs::resize_file(whole, fs::file_size(whole) * 3 / 4);
   testing::internal::CaptureStderr();
   auto source = open_videos({whole}, rig(1), {});
   ASSERT_TRUE(source) << source.error().message;

@@ -2,12 +2,10 @@
 
 #include <gmock/gmock.h>
 
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
-
 #include "core/capture/detections_csv.h"
 #include "tests/support/marker_scene.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/video_writer.h"
 
 namespace waymark {
 namespace {
@@ -21,16 +19,8 @@ class DetectVideos : public ::testing::Test {
     capture_.rig_yaml = folder_.write("rig.yaml", scene_rig_yaml());
     capture_.markers_toml = folder_.write("markers.toml", scene_markers_toml());
     capture_.videos = {folder_.path() / "cam0.avi"};
-    cv::VideoWriter writer(capture_.videos.front().string(), cv::CAP_OPENCV_MJPEG,
-                           cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 25, cv::Size(320, 240));
-    ASSERT_TRUE(writer.isOpened());
-    writer.set(cv::VIDEOWRITER_PROP_QUALITY, 100);
-    for (int i = 0; i < 6; ++i) {
-      GrayImage image = scene_image(4 * i);
-      cv::Mat colour;
-      cv::cvtColor(cv::Mat(240, 320, CV_8UC1, image.pixels.data()), colour, cv::COLOR_GRAY2BGR);
-      writer.write(colour);
-    }
+    test::VideoWriter writer(capture_.videos.front());
+    for (int i = 0; i < 6; ++i) writer.write(scene_image(4 * i).view(), i);
   }
 
   Expected<DetectedCapture> detect(int threads = 0) {
