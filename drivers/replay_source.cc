@@ -29,9 +29,16 @@ class ReplaySource final : public FrameSource, public FrameLender {
   }
 
   [[nodiscard]] Expected<std::optional<Frame>> next(Stamp deadline) override {
-    while (!ended()) {
+    // A round without one usable image is followed by others like it.
+    for (std::size_t tried = 0; !ended(); ++tried) {
+      if (tried == entries_.size()) {
+        return fail(ErrorKind::io, "{}: {}: no image of {} can be used; the first: {}",
+                    capture_->folder().path.string(), name(), tried,
+                    capture_->unusable().first_reason);
+      }
       if (!wait_until_due(deadline)) return std::nullopt;
       if (auto frame = take_entry()) return frame;
+      if (capture_->options().realtime && monotonic_now() >= deadline) return std::nullopt;
     }
     return std::nullopt;
   }
@@ -42,9 +49,7 @@ class ReplaySource final : public FrameSource, public FrameLender {
     stopping_.notify_all();
   }
 
-  [[nodiscard]] bool ended() const override {
-    return entries_.empty() || (!capture_->options().loop && position_ >= entries_.size());
-  }
+  [[nodiscard]] bool ended() const override { return !exists(position_); }
 
   [[nodiscard]] std::uint64_t damaged() const override { return damaged_; }
 
@@ -67,7 +72,28 @@ class ReplaySource final : public FrameSource, public FrameLender {
     return entry(position).stamp + capture_->shift() + round * capture_->round_;
   }
   [[nodiscard]] bool exists(std::size_t position) const {
-    return capture_->options().loop || position < entries_.size();
+    if (entries_.empty()) return false;
+    const std::size_t rounds = capture_->options().loop ? capture_->most_rounds() : 1;
+    return position / entries_.size() < rounds;
+  }
+
+  /// The last one that is due by `now`, if any is behind the present one: found, not walked to, for
+  /// a short round has been over thousands of times after a pause.
+  void skip_to_newest(Stamp now) {
+    const Stamp since = now - capture_->shift() - entries_.front().stamp;
+    std::size_t rounds = 0;
+    if (capture_->options().loop && since > capture_->round_) {
+      rounds =
+          std::min(static_cast<std::size_t>(since / capture_->round_), capture_->most_rounds() - 1);
+    }
+    const Stamp within =
+        now - capture_->shift() - static_cast<std::int64_t>(rounds) * capture_->round_;
+    const auto behind = std::upper_bound(
+        entries_.begin(), entries_.end(), within,
+        [](Stamp due, const ReplayCapture::Entry& entry) { return due < entry.stamp; });
+    const std::size_t due =
+        rounds * entries_.size() + static_cast<std::size_t>(behind - entries_.begin());
+    if (due > 0) position_ = std::max(position_, due - 1);
   }
 
   /// False when the deadline or a stop comes first.
@@ -79,7 +105,7 @@ class ReplaySource final : public FrameSource, public FrameLender {
     stopping_.wait_until(lock, as_time_point(std::min(due, deadline)), [&] { return stopped_; });
     if (stopped_ || monotonic_now() < due) return false;
     // As a camera does, whose buffers are overwritten: who comes late finds the newest.
-    while (exists(position_ + 1) && stamp_of(position_ + 1) <= monotonic_now()) ++position_;
+    skip_to_newest(monotonic_now());
     return true;
   }
 
@@ -95,10 +121,11 @@ class ReplaySource final : public FrameSource, public FrameLender {
     const std::uint32_t slot = free_slot();
     GrayView view;
     if (taken.image != nullptr) {
-      auto loaded = read_gray_image(taken.image->path);
       const CameraParameters& expected = camera_.model.parameters();
-      if (!loaded || loaded->image.width_px != expected.width_px ||
-          loaded->image.height_px != expected.height_px) {
+      auto loaded =
+          read_gray_image(taken.image->path, ImageSize{expected.width_px, expected.height_px});
+      if (!loaded) {
+        capture_->note_unusable(loaded.error());
         ++damaged_;
         take_back(slot);
         return std::nullopt;
@@ -142,7 +169,7 @@ Expected<std::shared_ptr<ReplayCapture>> ReplayCapture::open(const std::filesyst
   capture->options_ = options;
   if (options.detections && capture->folder_.detections_csv) {
     auto table = read_detections_csv(*capture->folder_.detections_csv, capture->folder_.rig,
-                                     capture->folder_.catalog);
+                                     capture->folder_.catalog, capture->folder_.monotonic);
     if (!table) return tl::make_unexpected(table.error());
     capture->detections_ = std::move(table->images);
   }
@@ -191,6 +218,10 @@ Status ReplayCapture::fill_time_line() {
   }
   std::sort(all.begin(), all.end());
   first_ = all.front();
+  if (time_between(first_, all.back()) > kLargestStamp) {
+    return fail(Cause::stamps, "{}: stamps lie more than 146 years apart ({} and {})", name,
+                first_.count(), all.back().count());
+  }
   std::vector<Stamp> periods;
   for (const auto& entries : entries_) {
     for (std::size_t i = 1; i < entries.size(); ++i) {
@@ -205,6 +236,22 @@ Status ReplayCapture::fill_time_line() {
   }
   round_ = all.back() - first_ + period;
   return {};
+}
+
+std::size_t ReplayCapture::most_rounds() const {
+  // From the last stamp on, whichever clock it is on: the largest one is never passed.
+  const Stamp begun = std::max(Stamp{0}, first_ + shift());
+  return std::max<std::size_t>(1, static_cast<std::size_t>((kLargestStamp - begun) / round_));
+}
+
+void ReplayCapture::note_unusable(const Error& why) {
+  const std::lock_guard lock(mutex_);
+  if (unusable_.images++ == 0) unusable_.first_reason = why.message;
+}
+
+ReplayCapture::Unusable ReplayCapture::unusable() const {
+  const std::lock_guard lock(mutex_);
+  return unusable_;
 }
 
 void ReplayCapture::begin_time_line() {

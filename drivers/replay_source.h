@@ -18,7 +18,7 @@ namespace waymark {
 struct ReplayOptions {
   bool realtime = false;   ///< at its own pace from start on, with stamps moved to CLOCK_MONOTONIC;
                            ///< else as fast as it is asked, with its own stamps
-  bool loop = false;       ///< from the start again, one median period after the end, for ever
+  bool loop = false;       ///< from the start again, one median period after the end, for 146 years
   bool images = true;      ///< images are read; else only detections.csv is played
   bool detections = true;  ///< detections.csv is played, where it is there
 };
@@ -40,6 +40,13 @@ class ReplayCapture {
   /// the first source that starts.
   [[nodiscard]] Stamp shift() const { return shift_.load(); }
 
+  /// Images that could not be used, of all cameras, and why the first could not.
+  struct Unusable {
+    std::size_t images = 0;
+    std::string first_reason;
+  };
+  [[nodiscard]] Unusable unusable() const;
+
   /// One source per camera, by the rig's order. Each holds the capture.
   [[nodiscard]] static std::vector<std::unique_ptr<FrameSource>> sources(
       const std::shared_ptr<ReplayCapture>& capture);
@@ -57,6 +64,9 @@ class ReplayCapture {
   [[nodiscard]] Status fill_time_line();
   /// Fixes the shift, once, so that the first frame comes now.
   void begin_time_line();
+  void note_unusable(const Error& why);
+  /// Rounds whose stamps all lie in range.
+  [[nodiscard]] std::size_t most_rounds() const;
 
   CaptureFolder folder_;
   ReplayOptions options_;
@@ -66,6 +76,8 @@ class ReplayCapture {
   Stamp round_{0};  ///< from one round's first frame to the next round's
   std::once_flag begun_;
   std::atomic<Stamp> shift_{Stamp{0}};
+  mutable std::mutex mutex_;  ///< of what follows
+  Unusable unusable_;
 };
 
 }  // namespace waymark

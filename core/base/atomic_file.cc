@@ -11,6 +11,7 @@
 #include <string>
 
 #include "core/base/descriptor.h"
+#include "core/base/input_file.h"
 #include "core/base/system_call.h"
 
 namespace waymark {
@@ -94,32 +95,16 @@ Status write_file_atomically(const fs::path& named, std::string_view content) {
 }
 
 Expected<std::string> read_file(const fs::path& path, std::size_t max_bytes) {
-  // Without waiting for whoever may write to what turns out to be a pipe.
-  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!file.valid()) {
-    const bool denied = errno == EACCES || errno == EPERM;
-    return fail(denied ? ErrorKind::permission : ErrorKind::no_input, "{}: can't open: {}",
-                path.string(), system_reason());
-  }
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode)) {
-    return fail(ErrorKind::no_input, "{}: can't read: it is {}; name a file", path.string(),
-                S_ISDIR(status.st_mode) ? "a folder" : "no regular file");
-  }
-  const auto too_large = [&] {
-    return fail(ErrorKind::bad_data, "{}: larger than {} bytes; this is not such a file",
-                path.string(), max_bytes);
-  };
-  if (static_cast<std::uintmax_t>(status.st_size) > max_bytes) return too_large();
+  auto file = InputFile::open(path, max_bytes);
+  if (!file) return tl::make_unexpected(file.error());
   std::string content;
+  content.reserve(file->size());
   std::array<char, 65536> buffer{};
   for (;;) {
-    const ssize_t got = ::read(file.get(), buffer.data(), buffer.size());
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return fail(ErrorKind::io, "{}: can't read: {}", path.string(), system_reason());
-    if (got == 0) return content;
-    content.append(buffer.data(), static_cast<std::size_t>(got));
-    if (content.size() > max_bytes) return too_large();  // it has grown since
+    const auto got = file->read(buffer);
+    if (!got) return tl::make_unexpected(got.error());
+    content.append(buffer.data(), *got);
+    if (*got < buffer.size()) return content;
   }
 }
 

@@ -14,7 +14,7 @@ namespace waymark {
                                            std::string_view content);
 
 /// Whole content of a regular file. Errors: no_input (absent, a folder, a pipe), permission, io,
-/// bad_data (larger than `max_bytes`; then nothing of it is read).
+/// bad_data (larger than `max_bytes`, or sparse; then nothing of it is read).
 [[nodiscard]] Expected<std::string> read_file(const std::filesystem::path& path,
                                               std::size_t max_bytes = std::size_t{1} << 33);
 

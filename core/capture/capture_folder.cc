@@ -1,10 +1,8 @@
 #include "core/capture/capture_folder.h"
 
-#include <cstdint>
 #include <iterator>
-#include <string_view>
 
-#include "core/base/toml_text.h"
+#include "core/base/toml_fields.h"
 #include "core/camera/kalibr.h"
 
 namespace waymark {
@@ -13,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A larger tolerance would join frames of different places: at 1 m/s, 1 s is 1 m.
-constexpr std::int64_t kMaxSyncTolerance_us = 1'000'000;
+constexpr int kMaxSyncTolerance_us = 1'000'000;
 
 /// Reads one capture folder; each step fills a part of the result.
 class FolderReader {
@@ -54,28 +52,16 @@ class FolderReader {
     if (!exists(path)) return {};
     const auto table = read_toml(path);
     if (!table) return tl::make_unexpected(table.error());
-    const auto wrong = [&](const toml::node& node, std::string_view what) {
-      return fail(ErrorKind::bad_data, "{}: {}", toml_place(path.string(), node), what);
-    };
-    if (const toml::node* node = table->get("clock")) {
-      const auto clock = node->value_or(std::string());
-      if (clock != "realtime" && clock != "monotonic") {
-        return wrong(*node, "clock must be \"realtime\" or \"monotonic\"");
-      }
-      capture_.monotonic = clock == "monotonic";
-    }
-    if (const toml::node* node = table->get("session")) {
-      if (!node->is_string()) return wrong(*node, "session must be a text");
-      capture_.session = node->value_or(std::string());
-    }
-    if (const toml::node* node = table->get("sync_tolerance_us")) {
-      const auto tolerance_us = node->is_integer() ? node->value_or(std::int64_t{-1}) : -1;
-      if (tolerance_us < 0 || tolerance_us > kMaxSyncTolerance_us) {
-        return wrong(*node, "sync_tolerance_us must be a whole number from 0 to 1000000");
-      }
-      capture_.sync_tolerance = std::chrono::microseconds(tolerance_us);
-    }
-    return {};
+    TomlFields fields(*table, path.string());
+    capture_.monotonic = fields.choice("clock", {"realtime", "monotonic"}, 0) == 1;
+    capture_.session = fields.text("session", "");
+    capture_.sync_tolerance = std::chrono::microseconds(
+        fields.integer("sync_tolerance_us", 0, kMaxSyncTolerance_us,
+                       static_cast<int>(kDefaultSyncTolerance / std::chrono::microseconds(1))));
+    // Told to people only.
+    (void)fields.text("codec", "");
+    (void)fields.text("software", "");
+    return fields.finish();
   }
 
   Status find_tables() {
@@ -87,7 +73,7 @@ class FolderReader {
   Status find_images() {
     const auto folders = find_camera_folders(capture_.path, capture_.rig);
     if (!folders) return tl::make_unexpected(folders.error());
-    auto list = list_images(*folders);
+    auto list = list_images(*folders, capture_.monotonic);
     if (!list) return tl::make_unexpected(list.error());
     if (list->images.empty() && !capture_.detections_csv) {
       return fail(

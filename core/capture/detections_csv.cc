@@ -6,9 +6,10 @@
 #include <map>
 #include <tuple>
 
-#include "core/base/atomic_file.h"
 #include "core/base/check.h"
+#include "core/base/line_reader.h"
 #include "core/base/text_field.h"
+#include "core/capture/foreign_csv.h"
 
 namespace waymark {
 namespace {
@@ -16,6 +17,13 @@ namespace {
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr std::string_view kOwnLinePrefix = "# detector=";
 constexpr std::string_view kFingerprintKey = " markers=";
+
+/// 20 million detections of a large building with covariances.
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 32;
+/// Of a row with covariances: 500 bytes in 24 columns.
+constexpr std::size_t kLongestLine = std::size_t{1} << 16;
+constexpr std::size_t kMostColumns = 64;
+constexpr std::size_t kQuotedHeader = 100;  ///< bytes of a header in a message
 
 /// No image is this wide; a corner beyond it is damage, and its square would spoil later sums.
 constexpr double kMaxCorner_px = 1e6;
@@ -25,13 +33,16 @@ constexpr std::array<std::string_view, 8> kCornerColumns{"x0", "y0", "x1", "y1",
 constexpr std::array<std::string_view, 12> kCovarianceColumns{
     "sxx0", "sxy0", "syy0", "sxx1", "sxy1", "syy1", "sxx2", "sxy2", "syy2", "sxx3", "sxy3", "syy3"};
 
-void split_at_commas(std::string_view line, std::vector<std::string_view>& fields) {
+/// False when there are more fields than any table has columns.
+bool split_at_commas(std::string_view line, std::vector<std::string_view>& fields) {
   fields.clear();
   for (std::size_t begin = 0; begin <= line.size();) {
+    if (fields.size() == kMostColumns) return false;
     const auto end = std::min(line.find(',', begin), line.size());
     fields.push_back(trimmed(line.substr(begin, end - begin)));
     begin = end + 1;
   }
+  return true;
 }
 
 /// Where each column stands; `kAbsent` for optional ones that the header lacks.
@@ -56,58 +67,43 @@ struct Row {
   int camera = 0;
   std::optional<Detection> detection;
   bool marker_unknown = false;
-  bool misordered = false;
 };
-
-/// Whether the corners enclose an area clockwise, as seen in the image (y down).
-bool run_clockwise(const ImageCorners& corners) {
-  const Eigen::Vector2d first_diagonal = corners[2] - corners[0];
-  const Eigen::Vector2d second_diagonal = corners[3] - corners[1];
-  return first_diagonal.x() * second_diagonal.y() - first_diagonal.y() * second_diagonal.x() > 0;
-}
 
 class Reader {
  public:
   Reader(const std::string& name, const Rig& rig, const MarkerCatalog& catalog)
       : name_(name), rig_(rig), catalog_(catalog), only_family_(catalog.only_family()) {}
 
-  Expected<DetectionsTable> read(std::string_view text) {
-    if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  Expected<DetectionsTable> read(LineReader& lines, bool monotonic) {
     DetectionsTable table;
-    std::map<std::pair<Stamp, int>, std::vector<Detection>> images;
-    while (!text.empty()) {
-      const auto end = std::min(text.find('\n'), text.size());
-      const std::string_view line = trimmed(text.substr(0, end));
-      text.remove_prefix(std::min(end + 1, text.size()));
-      ++line_;
-      if (line.empty()) continue;
-      if (line.starts_with('#')) {
-        if (const auto status = read_own_line(line, table); !status) {
-          return tl::make_unexpected(status.error());
+    Images images;
+    for (;;) {
+      const auto next = lines.next();
+      if (!next) return tl::make_unexpected(next.error());
+      if (!*next) break;
+      line_ = lines.number();
+      std::string_view line = **next;
+      if (line_ == 1) {
+        if (const auto foreign = foreign_encoding(line); !foreign.empty()) {
+          return fail(Cause::csv, "{}: {}", name_, foreign);
         }
-        continue;
+        if (line.starts_with(kByteOrderMark)) line.remove_prefix(kByteOrderMark.size());
       }
-      split_at_commas(line, fields_);
-      if (columns_.count == 0) {
-        if (const auto status = read_header(); !status) {
-          return tl::make_unexpected(status.error());
-        }
-        continue;
+      if (auto taken = take_line(trimmed(line), table, images); !taken) {
+        return tl::make_unexpected(taken.error());
       }
-      auto row = read_row();
-      if (!row) return tl::make_unexpected(row.error());
-      std::vector<Detection>& image = images[{row->stamp, row->camera}];
-      if (row->detection) image.push_back(std::move(*row->detection));
-      table.unknown_markers += row->marker_unknown ? 1 : 0;
-      table.misordered += row->misordered ? 1 : 0;
     }
     if (columns_.count == 0) {
-      return fail(ErrorKind::bad_data, "{}: empty; its first row must name the columns", name_);
+      return fail(Cause::csv, "{}: empty; its first row must name the columns", name_);
     }
     table.images.reserve(images.size());
     for (auto& [key, detections] : images) {
       std::sort(detections.begin(), detections.end(), comes_before);
       table.images.push_back({key.first, key.second, std::move(detections)});
+    }
+    table.misordered = static_cast<int>(orders_.misordered());
+    if (const auto doubt = doubt_of_table(table, orders_, monotonic)) {
+      return fail(doubt->cause, "{}: {}", name_, doubt->text);
     }
     return table;
   }
@@ -116,8 +112,28 @@ class Reader {
   template <typename... Args>
   [[nodiscard]] tl::unexpected<Error> bad_row(fmt::format_string<Args...> format,
                                               Args&&... args) const {
-    return fail(ErrorKind::bad_data, "{}: line {}: {}", name_, line_,
+    return fail(Cause::csv, "{}: line {}: {}", name_, line_,
                 fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  using Images = std::map<std::pair<Stamp, int>, std::vector<Detection>>;
+
+  Status take_line(std::string_view line, DetectionsTable& table, Images& images) {
+    if (line.empty()) return {};
+    if (line.starts_with('#')) return read_own_line(line, table);
+    const bool few_enough = split_at_commas(line, fields_);
+    if (columns_.count == 0) {
+      if (const auto foreign = foreign_header(line); !foreign.empty())
+        return bad_row("{}", foreign);
+    }
+    if (!few_enough) return bad_row("more than {} columns", kMostColumns);
+    if (columns_.count == 0) return read_header(line);
+    auto row = read_row();
+    if (!row) return tl::make_unexpected(row.error());
+    std::vector<Detection>& image = images[{row->stamp, row->camera}];
+    if (row->detection) image.push_back(std::move(*row->detection));
+    table.unknown_markers += row->marker_unknown ? 1 : 0;
+    return {};
   }
 
   static bool comes_before(const Detection& a, const Detection& b) {
@@ -148,7 +164,7 @@ class Reader {
     return {};
   }
 
-  Status read_header() {
+  Status read_header(std::string_view line) {
     std::map<std::string_view, std::size_t> places;
     std::string_view doubled;
     for (std::size_t i = 0; i < fields_.size(); ++i) {
@@ -176,23 +192,35 @@ class Reader {
       columns_.covariances[i] = place(kCovarianceColumns[i], any_covariance);
     }
     if (!missing.empty()) {
-      return bad_row("no column \"{}\"; the columns are t_ns,camera,marker_id,x0,y0,…,x3,y3",
-                     missing);
+      return bad_row(
+          "no column \"{}\"; the columns are t_ns,camera,marker_id,x0,y0,…,x3,y3, here {}", missing,
+          line.substr(0, kQuotedHeader));
     }
     if (!doubled.empty()) return bad_row("column \"{}\" stands twice", doubled);
     columns_.count = fields_.size();
     return {};
   }
 
-  Expected<Row> read_row() const {
+  /// From t_ns; how other programs write times is told apart.
+  Expected<Stamp> read_stamp() const {
+    const std::string_view field = fields_[columns_.t_ns];
+    const auto t_ns = parse_whole<std::int64_t>(field);
+    if (t_ns && is_in_range(Stamp(*t_ns))) return Stamp(*t_ns);
+    return fail(
+        Cause::stamps, "{}: line {}: t_ns \"{}\" {}", name_, line_, field,
+        t_ns ? "is further than 146 years from any epoch; it counts ns" : why_no_stamp(field));
+  }
+
+  Expected<Row> read_row() {
     if (fields_.size() != columns_.count) {
-      return bad_row("{} fields where the header names {}; is the file cut off?", fields_.size(),
-                     columns_.count);
+      const bool decimal_commas = fields_.size() == columns_.count + kCornerColumns.size();
+      return bad_row("{} fields where the header names {}; {}", fields_.size(), columns_.count,
+                     decimal_commas ? "decimal commas? Write points" : "is the file cut off?");
     }
     Row row;
-    const auto t_ns = parse_whole<std::int64_t>(fields_[columns_.t_ns]);
-    if (!t_ns) return bad_row("t_ns \"{}\" is no whole number of ns", fields_[columns_.t_ns]);
-    row.stamp = Stamp(*t_ns);
+    const auto stamp = read_stamp();
+    if (!stamp) return tl::make_unexpected(stamp.error());
+    row.stamp = *stamp;
     const auto camera = std::find_if(
         rig_.cameras.begin(), rig_.cameras.end(),
         [&](const RigCamera& known) { return known.name == fields_[columns_.camera]; });
@@ -220,8 +248,8 @@ class Reader {
       detection.hamming = *hamming;
     }
     row.marker_unknown = !catalog_.size_m(detection.marker);
-    row.misordered = !row.marker_unknown && !run_clockwise(detection.corners);
-    if (!row.marker_unknown && !row.misordered) row.detection = detection;
+    if (row.marker_unknown) return row;
+    if (orders_.add(detection.corners)) row.detection = detection;
     return row;
   }
 
@@ -290,6 +318,7 @@ class Reader {
   std::optional<Family> only_family_;
   Columns columns_;
   std::size_t line_ = 0;
+  CornerOrders orders_;
   std::vector<std::string_view> fields_;  ///< of the present line
 };
 
@@ -307,11 +336,12 @@ bool every_detection_has_covariances(const std::vector<ImageDetections>& images)
 }  // namespace
 
 Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path, const Rig& rig,
-                                              const MarkerCatalog& catalog) {
-  const auto text = read_file(path);
-  if (!text) return tl::make_unexpected(text.error());
+                                              const MarkerCatalog& catalog, bool monotonic) {
+  auto file = InputFile::open(path, kLargestFile);
+  if (!file) return tl::make_unexpected(file.error());
   const std::string name = path.string();
-  return Reader(name, rig, catalog).read(*text);
+  LineReader lines(std::move(*file), name, kLongestLine);
+  return Reader(name, rig, catalog).read(lines, monotonic);
 }
 
 std::string format_detections_csv(const std::vector<ImageDetections>& images, const Rig& rig,

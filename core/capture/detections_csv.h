@@ -25,14 +25,17 @@ struct DetectionsTable {
 
 /// Reads detections.csv: columns by header name (FORMATS: t_ns,camera,marker_id,x0…y3
 /// [,hamming,family,sxx0,sxy0,syy0,…3]); BOM and CRLF allowed; empty marker_id = image seen,
-/// nothing found. `camera` is a name of the rig. bad_data with the line's number for: a missing
-/// or doubled column, a row of another length, a stamp that is no integer, an unknown camera or
-/// family, a number outside its family, corners that are NaN or beyond ±1e6 px, a covariance that
-/// is not positive definite; and when mapbuilder wrote the file for other markers than `catalog`
-/// (stale). no_input when absent.
+/// nothing found. `camera` is a name of the rig. Read line by line; memory is that of the result.
+/// bad_data with the line's number for: a missing or doubled column, a row of another length, a
+/// stamp that is no integer, an unknown camera or family, a number outside its family, corners that
+/// are NaN or beyond ±1e6 px, a covariance that is not positive definite, a line of more than
+/// 64 KiB or 64 columns; for a file as other programs write it, whose error says so (foreign_csv,
+/// doubt_of_stamps); for a sparse one and one beyond 4 GiB; and when mapbuilder wrote the file for
+/// other markers than `catalog` (stale). no_input when absent. `monotonic` as for doubt_of_stamps.
 [[nodiscard]] Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path,
                                                             const Rig& rig,
-                                                            const MarkerCatalog& catalog);
+                                                            const MarkerCatalog& catalog,
+                                                            bool monotonic = false);
 
 /// Text of a detections.csv with our first line `# detector=… markers=<fingerprint>`; covariance
 /// columns when every detection has covariances; corners to 4 decimals, covariances to 9

@@ -21,14 +21,6 @@ std::vector<std::size_t> by_stamp_then_camera(std::span<const StampedImage> imag
   return order;
 }
 
-/// Whether `later` ≥ `earlier` lies within the tolerance; in unsigned numbers, because the
-/// difference of two stamps from a file may not fit a signed one.
-bool within(Stamp earlier, Stamp later, Stamp tolerance) {
-  const auto apart =
-      static_cast<std::uint64_t>(later.count()) - static_cast<std::uint64_t>(earlier.count());
-  return apart <= static_cast<std::uint64_t>(tolerance.count());
-}
-
 }  // namespace
 
 std::vector<FrameSet> group_into_frame_sets(std::span<const StampedImage> images, Stamp tolerance) {
@@ -40,8 +32,8 @@ std::vector<FrameSet> group_into_frame_sets(std::span<const StampedImage> images
     if (taken[*first]) continue;
     FrameSet set;
     std::set<int> cameras;
-    for (auto next = first;
-         next != order.end() && within(images[*first].stamp, images[*next].stamp, tolerance);
+    for (auto next = first; next != order.end() &&
+                            time_between(images[*first].stamp, images[*next].stamp) <= tolerance;
          ++next) {
       if (taken[*next] || !cameras.insert(images[*next].camera).second) continue;
       taken[*next] = true;

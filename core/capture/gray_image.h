@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace waymark {
@@ -39,14 +40,17 @@ struct GrayImage {
   }
 };
 
+/// How 16-bit values were brought to 8.
+struct DeepPixels {
+  int largest = 0;      ///< of the image's values, 0…65535
+  int bits_in_use = 0;  ///< 10, 12, 14 or 16: the fewest that hold it; the upper 8 of them are used
+};
+
 /// A decoded image and what the user should know of it.
 struct LoadedImage {
   GrayImage image;
   bool orientation_ignored = false;  ///< EXIF asks for a rotation; pixels are as stored
-  bool reduced_from_16_bit = false;  ///< the upper 8 of more than 8 bits are used
+  std::optional<DeepPixels> deep;    ///< of images with 16 bits per value
 };
-
-/// Larger images than any camera takes are refused before memory is asked for.
-inline constexpr std::size_t kMaxImagePixels = 200'000'000;
 
 }  // namespace waymark

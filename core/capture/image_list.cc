@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <tuple>
 
 #include "core/base/text_field.h"
+#include "core/capture/foreign_format.h"
 #include "core/capture/image_file.h"
+#include "core/capture/stamp_doubt.h"
 
 namespace waymark {
 namespace {
@@ -23,6 +26,19 @@ bool is_camera_folder_name(std::string_view name) {
   return name.starts_with(kPrefix) && parse_whole<unsigned>(name.substr(kPrefix.size()));
 }
 
+/// Of a folder that holds no image that is read.
+Status check_no_foreign_images(const CameraFolder& folder, const std::vector<fs::path>& entries) {
+  for (const fs::path& entry : entries) {
+    const std::string_view format = foreign_format_of_name(entry);
+    if (format.empty()) continue;
+    return fail(Cause::format,
+                "{}: images in {}, which is not read; convert them to PNG, for instance: mogrify "
+                "-format png {}/*{}",
+                folder.path.string(), format, folder.path.string(), entry.extension().string());
+  }
+  return {};
+}
+
 Status add_images_of(const CameraFolder& folder, ImageList& list) {
   const auto entries = list_folder(folder.path);
   if (!entries) return tl::make_unexpected(entries.error());
@@ -34,42 +50,67 @@ Status add_images_of(const CameraFolder& folder, ImageList& list) {
       ++others;
     }
   }
+  if (others == entries->size()) {
+    if (auto known = check_no_foreign_images(folder, *entries); !known) return known;
+    list.notes.push_back(fmt::format("{}: no images", folder.path.string()));
+  }
   if (others > 0) {
     list.notes.push_back(fmt::format("{}: {} of {} files are no jpg, png or pgm: left out",
                                      folder.path.string(), others, entries->size()));
   }
-  if (others == entries->size()) {
-    list.notes.push_back(fmt::format("{}: no images", folder.path.string()));
-  }
   return {};
 }
 
+/// The number that a name is, as a stamp; nullopt for every other name.
+std::optional<Stamp> stamp_of_name(const fs::path& path) {
+  const auto t_ns = parse_whole<std::int64_t>(path.stem().string());
+  if (!t_ns || !is_in_range(Stamp(*t_ns))) return std::nullopt;
+  return Stamp(*t_ns);
+}
+
+/// The images of one camera in the order of their names, 1 s apart.
+void take_in_order(ImageList& list, const std::string& why) {
+  // Numbers by what they are: 9 before 10.
+  std::stable_sort(list.images.begin(), list.images.end(),
+                   [](const ImageFile& a, const ImageFile& b) { return a.stamp < b.stamp; });
+  for (std::size_t i = 0; i < list.images.size(); ++i) {
+    list.images[i].stamp = kAssumedSpacing * static_cast<std::int64_t>(i);
+  }
+  list.stamps_from_names = false;
+  list.notes.push_back(
+      fmt::format("{}: {}: images are taken in the order of their names, 1 s apart",
+                  list.images.front().path.parent_path().string(), why));
+}
+
 /// From the names; where they say nothing, from their order.
-Status give_stamps(ImageList& list, bool several_cameras) {
-  std::size_t stamped = 0;
+Status give_stamps(ImageList& list, bool several_cameras, bool monotonic) {
+  constexpr std::string_view kWhatToDo =
+      "name images by their mid-exposure time in ns, all cameras by one clock";
+  std::vector<StampedImage> stamped;
   const ImageFile* without_stamp = nullptr;
   for (ImageFile& image : list.images) {
-    if (const auto t_ns = parse_whole<std::int64_t>(image.path.stem().string())) {
-      image.stamp = Stamp(*t_ns);
-      ++stamped;
+    if (const auto stamp = stamp_of_name(image.path)) {
+      image.stamp = *stamp;
+      stamped.push_back({image.camera, *stamp});
     } else if (without_stamp == nullptr) {
       without_stamp = &image;
     }
   }
-  if (without_stamp == nullptr) return {};
-  if (stamped > 0 || several_cameras) {
-    return fail(ErrorKind::bad_data,
-                "{}: the name is no stamp; name images by their mid-exposure time in ns, all "
-                "cameras by one clock",
-                without_stamp->path.string());
+  if (without_stamp != nullptr && (several_cameras || !stamped.empty())) {
+    return fail(Cause::stamps, "{}: the name is no stamp; {}", without_stamp->path.string(),
+                kWhatToDo);
   }
-  list.stamps_from_names = false;
-  for (std::size_t i = 0; i < list.images.size(); ++i) {
-    list.images[i].stamp = kAssumedSpacing * static_cast<std::int64_t>(i);
+  if (without_stamp != nullptr) {
+    take_in_order(list, "names are no stamps");
+    return {};
   }
-  list.notes.push_back(fmt::format(
-      "{}: names are no stamps: images are taken in the order of their names, 1 s apart",
-      without_stamp->path.parent_path().string()));
+  const auto doubt = doubt_of_stamps(stamped, monotonic);
+  if (!doubt) return {};
+  if (several_cameras) {
+    return fail(Cause::stamps, "{}: by the images' names {}",
+                list.images.front().path.parent_path().string(), *doubt);
+  }
+  take_in_order(list, "names are no stamps (" + *doubt + ")");
   return {};
 }
 
@@ -118,14 +159,14 @@ Expected<std::vector<CameraFolder>> find_camera_folders(const fs::path& parent, 
   return folders;
 }
 
-Expected<ImageList> list_images(const std::vector<CameraFolder>& folders) {
+Expected<ImageList> list_images(const std::vector<CameraFolder>& folders, bool monotonic) {
   ImageList list;
   for (const CameraFolder& folder : folders) {
     if (auto status = add_images_of(folder, list); !status) {
       return tl::make_unexpected(status.error());
     }
   }
-  if (auto status = give_stamps(list, folders.size() > 1); !status) {
+  if (auto status = give_stamps(list, folders.size() > 1, monotonic); !status) {
     return tl::make_unexpected(status.error());
   }
   if (auto status = sort_by_stamp(list.images); !status) {

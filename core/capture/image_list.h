@@ -36,10 +36,13 @@ struct ImageList {
     const std::filesystem::path& parent, const Rig& rig);
 
 /// Lists the images of a capture's cameras; their names are stamps in ns, or, of a single camera,
-/// any names. Hidden files are passed over, other files noted. bad_data for a name that is no stamp
-/// among several cameras or other stamps, and for two images of one camera with one stamp;
-/// permission and io when a folder can't be listed.
-[[nodiscard]] Expected<ImageList> list_images(const std::vector<CameraFolder>& folders);
+/// any names. Numbers that can't be stamps (doubt_of_stamps), frame numbers above all, are names
+/// like any other. Hidden files are passed over, other files noted. bad_data for a name that is no
+/// stamp among several cameras or other stamps, for two images of one camera with one stamp, and
+/// for a folder full of images in a format that is not read; permission and io when a folder can't
+/// be listed. `monotonic` as for doubt_of_stamps.
+[[nodiscard]] Expected<ImageList> list_images(const std::vector<CameraFolder>& folders,
+                                              bool monotonic = false);
 
 /// Entries of a folder by rising name, without hidden ones. Errors: permission, io.
 [[nodiscard]] Expected<std::vector<std::filesystem::path>> list_folder(

@@ -1,221 +1,133 @@
 #include "core/capture/jpeg.h"
 
-#include <array>
-#include <csetjmp>
-#include <cstdio>
-#include <cstdlib>
-#include <memory>
-#include <string>
+#include <turbojpeg.h>
 
-// In this order: jpeglib.h needs <cstdio> before it, jerror.h needs jpeglib.h.
-// clang-format off
-#include <jpeglib.h>
-#include <jerror.h>
-// clang-format on
+#include <memory>
 
 #include "core/base/check.h"
-#include "core/capture/exif.h"
+#include "core/capture/jpeg_segments.h"
 
 namespace waymark {
 namespace {
 
-constexpr int kExifMarker = JPEG_APP0 + 1;
-constexpr std::string_view kExifPrefix("Exif\0\0", 6);
+constexpr int kMostScans = 20;
+/// libjpeg's default transform, the only one that is exact to the bit everywhere.
+constexpr int kFlags = TJFLAG_ACCURATEDCT;
 
-/// libjpeg's way to report: it calls error_exit, which must not return. The first message is kept.
-struct ErrorManager {
-  jpeg_error_mgr base;  ///< first, so that libjpeg's pointer to it is one to this
-  std::jmp_buf jump;
-  std::array<char, JMSG_LENGTH_MAX> message;
-  bool damaged;
+struct HandleDeleter {
+  void operator()(void* handle) const { tjDestroy(handle); }
+};
+using Handle = std::unique_ptr<void, HandleDeleter>;
 
-  static ErrorManager& of(j_common_ptr info) {
-    return *reinterpret_cast<ErrorManager*>(info->err);  // NOLINT
-  }
+std::string reason_of(const Handle& handle) { return tjGetErrorStr2(handle.get()); }
 
-  void keep_message(j_common_ptr info) {
-    if (!damaged) base.format_message(info, message.data());
-    damaged = true;
-  }
+tl::unexpected<Error> damaged(std::string_view why) {
+  return fail(ErrorKind::bad_data, "damaged or truncated JPEG: {}", why);
+}
 
-  void install() {
-    jpeg_std_error(&base);
-    damaged = false;
-    message.fill('\0');
-    base.error_exit = [](j_common_ptr info) {
-      of(info).keep_message(info);
-      std::longjmp(of(info).jump, 1);  // NOLINT: no destructor stands between here and setjmp
-    };
-    base.emit_message = [](j_common_ptr info, int level) {
-      // Below 0: pixels are wrong or missing, except in the case of the codes named here.
-      const int code = info->err->msg_code;
-      const bool harmless =
-          code == JWRN_EXTRANEOUS_DATA || code == JWRN_ADOBE_XFORM || code == JWRN_JFIF_MAJOR;
-      if (level < 0 && !harmless) of(info).keep_message(info);
-    };
-    base.output_message = [](j_common_ptr) {};
-  }
+/// Of the warnings, each of which tells of missing or wrong pixels, this one alone tells of none:
+/// behind the last pixel some cameras write a few bytes more.
+bool is_harmless(std::string_view warning) {
+  return warning.find("extraneous bytes before marker 0xd9") != std::string_view::npos;
+}
+
+struct Header {
+  ImageSize size;
+  bool cmyk = false;
 };
 
-/// Functions that call setjmp hold only plain members of this, so that longjmp skips no destructor.
-class Decoder {
- public:
-  Decoder() {
-    errors_.install();
-    info_.err = &errors_.base;
-    jpeg_create_decompress(&info_);
-  }
-  Decoder(const Decoder&) = delete;
-  Decoder& operator=(const Decoder&) = delete;
-  ~Decoder() { jpeg_destroy_decompress(&info_); }
+Expected<Header> read_header(const Handle& handle, std::string_view bytes) {
+  int width = 0;
+  int height = 0;
+  int subsampling = 0;
+  int colours = 0;
+  // It fails for colours sampled in a way that it has no name for, too, which grey does not need.
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the library's bytes are unsigned
+  const auto* const data = reinterpret_cast<const unsigned char*>(bytes.data());
+  const int status = tjDecompressHeader3(handle.get(), data, bytes.size(), &width, &height,
+                                         &subsampling, &colours);
+  if (status != 0 && (width < 1 || height < 1)) return damaged(reason_of(handle));
+  return Header{{width, height}, colours == TJCS_CMYK || colours == TJCS_YCCK};
+}
 
-  /// Reads all but the pixels.
-  Status open(std::string_view bytes) {
-    if (!read_header(bytes)) return damaged();
-    if (info_.jpeg_color_space == JCS_CMYK || info_.jpeg_color_space == JCS_YCCK) {
-      return fail(ErrorKind::bad_data, "CMYK JPEG; save it as grey or RGB");
-    }
-    if (std::size_t{info_.image_width} * info_.image_height > kMaxImagePixels) {
-      return fail(ErrorKind::bad_data, "{}×{} px; more than 200 megapixels", info_.image_width,
-                  info_.image_height);
-    }
+/// Header first: what is refused is refused before a pixel is decoded. `place` gives the memory for
+/// an image of that size.
+template <typename Place>
+Status decode(std::string_view bytes, std::optional<ImageSize> expected, int most_scans,
+              const Place& place, JpegSegments& segments) {
+  const Handle handle(tjInitDecompress());
+  WAYMARK_CHECK(handle != nullptr);
+  const auto header = read_header(handle, bytes);
+  if (!header) return tl::make_unexpected(header.error());
+  if (header->cmyk) return fail(ErrorKind::bad_data, "CMYK JPEG; save it as grey or RGB");
+  if (auto fits = check_image_size(header->size, expected); !fits) return fits;
+  segments = walk_jpeg(bytes, most_scans);
+  if (most_scans == 1 && (segments.progressive || segments.scans > 1)) {
+    return fail(ErrorKind::bad_data, "a JPEG of several scans, which may take any time");
+  }
+  if (segments.scans > most_scans) {
+    return fail(ErrorKind::bad_data,
+                "a JPEG of more than {} scans, which may take any time; save it anew", most_scans);
+  }
+  const std::string_view tidy = segments.tidied.empty() ? bytes : segments.tidied;
+  const auto width = static_cast<int>(header->size.width_px);
+  const auto height = static_cast<int>(header->size.height_px);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the library's bytes are unsigned
+  const auto* const data = reinterpret_cast<const unsigned char*>(tidy.data());
+  if (tjDecompress2(handle.get(), data, tidy.size(), place(width, height), width, width, height,
+                    TJPF_GRAY, kFlags) == 0) {
     return {};
   }
-  [[nodiscard]] int width_px() const { return static_cast<int>(info_.image_width); }
-  [[nodiscard]] int height_px() const { return static_cast<int>(info_.image_height); }
-
-  [[nodiscard]] bool has_several_scans() { return jpeg_has_multiple_scans(&info_) != FALSE; }
-
-  /// Of an opened JPEG, whose size the image has.
-  Status read_into(GrayImage& image) {
-    if (!read_pixels(image) || errors_.damaged) return damaged();
-    return {};
-  }
-
-  /// As Exif says; 1 is upright.
-  [[nodiscard]] int orientation() const {
-    for (auto marker = info_.marker_list; marker != nullptr; marker = marker->next) {
-      const std::span<const std::uint8_t> data(marker->data, marker->data_length);
-      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): text within bytes
-      const std::string_view text(reinterpret_cast<const char*>(data.data()), data.size());
-      if (marker->marker == kExifMarker && text.starts_with(kExifPrefix)) {
-        return exif_orientation(data.subspan(kExifPrefix.size()));
-      }
-    }
-    return 1;
-  }
-
- private:
-  [[nodiscard]] tl::unexpected<Error> damaged() const {
-    return fail(ErrorKind::bad_data, "damaged or truncated JPEG: {}", errors_.message.data());
-  }
-
-  bool read_header(std::string_view bytes) {
-    if (setjmp(errors_.jump) != 0) return false;  // NOLINT
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): libjpeg takes bytes as unsigned
-    jpeg_mem_src(&info_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
-    jpeg_save_markers(&info_, kExifMarker, 0xFFFF);
-    jpeg_read_header(&info_, TRUE);
-    return true;
-  }
-
-  bool read_pixels(GrayImage& image) {
-    if (setjmp(errors_.jump) != 0) return false;  // NOLINT
-    info_.out_color_space = JCS_GRAYSCALE;
-    jpeg_start_decompress(&info_);
-    while (info_.output_scanline < info_.output_height) {
-      JSAMPROW row = image.row(static_cast<int>(info_.output_scanline));
-      jpeg_read_scanlines(&info_, &row, 1);
-    }
-    jpeg_finish_decompress(&info_);
-    return true;
-  }
-
-  ErrorManager errors_{};
-  jpeg_decompress_struct info_{};
-};
-
-class Encoder {
- public:
-  Encoder() {
-    errors_.install();
-    info_.err = &errors_.base;
-    jpeg_create_compress(&info_);
-  }
-  Encoder(const Encoder&) = delete;
-  Encoder& operator=(const Encoder&) = delete;
-  ~Encoder() {
-    jpeg_destroy_compress(&info_);
-    std::free(buffer_);  // NOLINT: jpeg_mem_dest allocates it by malloc
-  }
-
-  Expected<std::string> encode(const GrayView& image, int quality) {
-    if (!compress(image, quality)) {
-      return fail(ErrorKind::bad_data, "can't encode {}×{} px as JPEG: {}", image.width_px,
-                  image.height_px, errors_.message.data());
-    }
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes of the file
-    return std::string(reinterpret_cast<const char*>(buffer_), size_);
-  }
-
- private:
-  bool compress(const GrayView& image, int quality) {
-    if (setjmp(errors_.jump) != 0) return false;  // NOLINT
-    jpeg_mem_dest(&info_, &buffer_, &size_);
-    info_.image_width = static_cast<JDIMENSION>(image.width_px);
-    info_.image_height = static_cast<JDIMENSION>(image.height_px);
-    info_.input_components = 1;
-    info_.in_color_space = JCS_GRAYSCALE;
-    jpeg_set_defaults(&info_);
-    jpeg_set_quality(&info_, quality, TRUE);
-    jpeg_start_compress(&info_, TRUE);
-    while (info_.next_scanline < info_.image_height) {
-      // libjpeg only reads it.
-      JSAMPROW row =
-          const_cast<JSAMPROW>(image.row(static_cast<int>(info_.next_scanline)));  // NOLINT
-      jpeg_write_scanlines(&info_, &row, 1);
-    }
-    jpeg_finish_compress(&info_);
-    return true;
-  }
-
-  ErrorManager errors_{};
-  jpeg_compress_struct info_{};
-  unsigned char* buffer_ = nullptr;
-  unsigned long size_ = 0;  // NOLINT: libjpeg's type
-};
+  const std::string reason = reason_of(handle);
+  if (tjGetErrorCode(handle.get()) == TJERR_WARNING && is_harmless(reason)) return {};
+  return damaged(reason);
+}
 
 }  // namespace
 
 bool looks_like_jpeg(std::string_view bytes) { return bytes.starts_with("\xFF\xD8\xFF"); }
 
-Expected<LoadedImage> decode_jpeg(std::string_view bytes) {
-  // On the heap: the structs are large, and longjmp leaves members of an object alone.
-  const auto decoder = std::make_unique<Decoder>();
-  if (auto opened = decoder->open(bytes); !opened) return tl::make_unexpected(opened.error());
+Expected<ImageSize> jpeg_size(std::string_view bytes) {
+  const auto header = read_header(Handle(tjInitDecompress()), bytes);
+  if (!header) return tl::make_unexpected(header.error());
+  return header->size;
+}
+
+Expected<LoadedImage> decode_jpeg(std::string_view bytes, std::optional<ImageSize> expected) {
   LoadedImage loaded;
-  loaded.orientation_ignored = decoder->orientation() != 1;
-  loaded.image = GrayImage(decoder->width_px(), decoder->height_px());
-  if (auto read = decoder->read_into(loaded.image); !read) return tl::make_unexpected(read.error());
+  JpegSegments segments;
+  const auto place = [&](int width, int height) {
+    loaded.image = GrayImage(width, height);
+    return loaded.image.pixels.data();
+  };
+  const auto decoded = decode(bytes, expected, kMostScans, place, segments);
+  if (!decoded) return tl::make_unexpected(decoded.error());
+  loaded.orientation_ignored = segments.orientation != 1;
   return loaded;
 }
 
 Status decode_jpeg_into(std::string_view bytes, GrayImage& image) {
-  const auto decoder = std::make_unique<Decoder>();
-  if (auto opened = decoder->open(bytes); !opened) return opened;
-  if (decoder->width_px() != image.width_px || decoder->height_px() != image.height_px) {
-    return fail(ErrorKind::bad_data, "a JPEG of {}×{} px among {}×{}", decoder->width_px(),
-                decoder->height_px(), image.width_px, image.height_px);
-  }
-  if (decoder->has_several_scans()) {
-    return fail(ErrorKind::bad_data, "a JPEG of several scans, which may take any time");
-  }
-  return decoder->read_into(image);
+  JpegSegments segments;
+  const auto place = [&](int, int) { return image.pixels.data(); };
+  return decode(bytes, ImageSize{image.width_px, image.height_px}, 1, place, segments);
 }
 
 Expected<std::string> encode_jpeg(const GrayView& image, int quality) {
   WAYMARK_CHECK(quality >= 1 && quality <= 100);
-  return std::make_unique<Encoder>()->encode(image, quality);
+  const Handle handle(tjInitCompress());
+  WAYMARK_CHECK(handle != nullptr);
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;  // NOLINT: the library's type
+  const int status =
+      tjCompress2(handle.get(), image.data, image.width_px, static_cast<int>(image.stride_bytes),
+                  image.height_px, TJPF_GRAY, &buffer, &size, TJSAMP_GRAY, quality, kFlags);
+  const std::unique_ptr<unsigned char, decltype(&tjFree)> owned(buffer, &tjFree);
+  if (status != 0) {
+    return fail(ErrorKind::bad_data, "can't encode {}×{} px as JPEG: {}", image.width_px,
+                image.height_px, reason_of(handle));
+  }
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes of the file
+  return std::string(reinterpret_cast<const char*>(buffer), size);
 }
 
 }  // namespace waymark

@@ -1,181 +1,207 @@
 #include "core/capture/png.h"
 
-#include <png.h>
+#include <spng.h>
 
 #include <algorithm>
-#include <csetjmp>
+#include <array>
+#include <cstdlib>
 #include <cstring>
-#include <span>
-#include <string>
+#include <memory>
 #include <vector>
 
+#include "core/base/check.h"
 #include "core/capture/exif.h"
+#include "core/capture/pixel_depth.h"
 
 namespace waymark {
 namespace {
 
 constexpr int kFastestCompression = 1;
+/// Texts, profiles and EXIF blocks, each and together, unpacked.
+constexpr std::size_t kLargestChunk = std::size_t{8} << 20;
+constexpr std::size_t kAllChunks = std::size_t{16} << 20;
 
-/// libpng's way to report: it calls the error function, which must not return.
-struct Failure {
-  std::jmp_buf jump;
-  std::array<char, 128> message{};
+constexpr std::string_view kEndChunk("\0\0\0\0IEND\xAE\x42\x60\x82", 12);
 
-  static void on_error(png_structp png, png_const_charp text) {
-    auto& self = *static_cast<Failure*>(png_get_error_ptr(png));
-    std::strncpy(self.message.data(), text, self.message.size() - 1);
-    std::longjmp(self.jump, 1);  // NOLINT: no destructor stands between here and setjmp
-  }
-  static void on_warning(png_structp, png_const_charp) {}
+struct ContextDeleter {
+  void operator()(spng_ctx* context) const { spng_ctx_free(context); }
+};
+using Context = std::unique_ptr<spng_ctx, ContextDeleter>;
+
+tl::unexpected<Error> damaged(int status) {
+  return fail(ErrorKind::bad_data, "damaged or truncated PNG: {}", spng_strerror(status));
+}
+
+/// Columns of a row that one pass of an interlaced image brings; all in one pass otherwise.
+struct Columns {
+  std::size_t first;
+  std::size_t step;
 };
 
-/// Functions that call setjmp hold only plain members of this, so that longjmp skips no destructor.
+Columns columns_of(const spng_row_info& row, bool interlaced) {
+  constexpr std::array<Columns, 7> kAdam7{{{0, 8}, {4, 8}, {0, 4}, {2, 4}, {0, 2}, {1, 2}, {0, 1}}};
+  return interlaced ? kAdam7.at(static_cast<std::size_t>(row.pass)) : Columns{0, 1};
+}
+
+/// Rec. 601, weights in thousandths, rounded; of one or two channels (grey, and alpha) the first.
+template <typename Sample>
+std::uint8_t luma(const Sample* pixel, std::size_t channels, int shift) {
+  const auto upper = [&](std::size_t c) { return static_cast<unsigned>(pixel[c]) >> shift; };
+  if (channels < 3) return static_cast<std::uint8_t>(upper(0));
+  return static_cast<std::uint8_t>((299U * upper(0) + 587U * upper(1) + 114U * upper(2) + 500U) /
+                                   1000U);
+}
+
+/// Decodes row by row, once.
 class Decoder {
  public:
-  explicit Decoder(std::string_view bytes) : rest_(bytes) {
-    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure_, Failure::on_error,
-                                  Failure::on_warning);
-    if (png_ != nullptr) info_ = png_create_info_struct(png_);
-  }
-  Decoder(const Decoder&) = delete;
-  Decoder& operator=(const Decoder&) = delete;
-  ~Decoder() { png_destroy_read_struct(&png_, &info_, nullptr); }
-
-  Expected<LoadedImage> decode() {
-    if (info_ == nullptr || !read_header()) return damaged();
-    const std::size_t width = png_get_image_width(png_, info_);
-    const std::size_t height = png_get_image_height(png_, info_);
-    if (width * height > kMaxImagePixels) {
-      return fail(ErrorKind::bad_data, "{}×{} px; more than 200 megapixels", width, height);
-    }
-    LoadedImage loaded;
-    loaded.reduced_from_16_bit = png_get_bit_depth(png_, info_) == 16;
-    if (!choose_transforms()) return damaged();
-    channels_ = png_get_channels(png_, info_);
-    samples_.resize(width * height * channels_);
-    for (std::size_t y = 0; y < height; ++y) rows_.push_back(&samples_[y * width * channels_]);
-    if (!read_pixels()) return damaged();
-    loaded.orientation_ignored = orientation() != 1;
-    loaded.image = GrayImage(static_cast<int>(width), static_cast<int>(height));
-    convert_to_gray(loaded.image);
-    return loaded;
+  explicit Decoder(std::string_view bytes)
+      : context_(spng_ctx_new(0)), ends_whole_(bytes.rfind(kEndChunk) != std::string_view::npos) {
+    WAYMARK_CHECK(context_ != nullptr);
+    spng_set_png_buffer(context_.get(), bytes.data(), bytes.size());
+    spng_set_chunk_limits(context_.get(), kLargestChunk, kAllChunks);
+    status_ = spng_get_ihdr(context_.get(), &header_);
   }
 
- private:
-  [[nodiscard]] tl::unexpected<Error> damaged() const {
-    return fail(ErrorKind::bad_data, "damaged or truncated PNG: {}", failure_.message.data());
+  [[nodiscard]] int status() const { return status_; }
+  [[nodiscard]] ImageSize size() const { return {header_.width, header_.height}; }
+  [[nodiscard]] bool is_deep() const { return header_.bit_depth == 16; }
+
+  /// The largest value of all colours.
+  int read_largest(int& largest) {
+    return read_rows<std::uint16_t>(
+        [&](const std::uint16_t* row, std::size_t channels, int, const Columns& columns) {
+          const std::size_t colours = channels < 3 ? 1 : 3;
+          for (std::size_t x = columns.first; x < header_.width; x += columns.step) {
+            for (std::size_t c = 0; c < colours; ++c) {
+              largest = std::max<int>(largest, row[x * channels + c]);
+            }
+          }
+        });
   }
 
-  static void take_bytes(png_structp png, png_bytep out, std::size_t count) {
-    auto& rest = static_cast<Decoder*>(png_get_io_ptr(png))->rest_;
-    if (count > rest.size()) png_error(png, "the file ends too early");
-    std::memcpy(out, rest.data(), count);
-    rest.remove_prefix(count);
+  /// The grey values, of which `shift` bits are dropped.
+  int read_into(GrayImage& image, int shift) {
+    const auto take = [&](const auto* row, std::size_t channels, int y, const Columns& columns) {
+      std::uint8_t* const gray = image.row(y);
+      for (std::size_t x = columns.first; x < header_.width; x += columns.step) {
+        gray[x] = luma(&row[x * channels], channels, shift);
+      }
+    };
+    return is_deep() ? read_rows<std::uint16_t>(take) : read_rows<std::uint8_t>(take);
   }
 
-  bool read_header() {
-    if (setjmp(failure_.jump) != 0) return false;  // NOLINT
-    png_set_read_fn(png_, this, take_bytes);
-    png_read_info(png_, info_);
-    return true;
-  }
-
-  bool choose_transforms() {
-    if (setjmp(failure_.jump) != 0) return false;  // NOLINT
-    png_set_strip_16(png_);
-    png_set_expand(png_);  // palette to RGB, 1 2 4 bits to 8, transparency to alpha
-    png_set_strip_alpha(png_);
-    png_set_interlace_handling(png_);
-    png_read_update_info(png_, info_);
-    return true;
-  }
-
-  bool read_pixels() {
-    if (setjmp(failure_.jump) != 0) return false;  // NOLINT
-    png_read_image(png_, rows_.data());
-    png_read_end(png_, info_);
-    return true;
-  }
-
+  /// As EXIF says; 1 is upright. Once all is read.
   [[nodiscard]] int orientation() const {
-    png_uint_32 count = 0;
-    png_bytep data = nullptr;
-    if (png_get_eXIf_1(png_, info_, &count, &data) == 0 || data == nullptr) return 1;
-    return exif_orientation({data, count});
-  }
-
-  void convert_to_gray(GrayImage& image) const {
-    if (channels_ == 1) {
-      image.pixels = samples_;
-      return;
-    }
-    for (std::size_t i = 0; i < image.pixels.size(); ++i) {
-      const std::uint8_t* const rgb = &samples_[i * channels_];
-      // Rec. 601, weights in thousandths, rounded.
-      image.pixels[i] =
-          static_cast<std::uint8_t>((299U * rgb[0] + 587U * rgb[1] + 114U * rgb[2] + 500U) / 1000U);
-    }
-  }
-
-  std::string_view rest_;
-  Failure failure_;
-  png_structp png_ = nullptr;
-  png_infop info_ = nullptr;
-  std::size_t channels_ = 0;
-  std::vector<std::uint8_t> samples_;
-  std::vector<png_bytep> rows_;
-};
-
-class Encoder {
- public:
-  Encoder() {
-    png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure_, Failure::on_error,
-                                   Failure::on_warning);
-    if (png_ != nullptr) info_ = png_create_info_struct(png_);
-  }
-  Encoder(const Encoder&) = delete;
-  Encoder& operator=(const Encoder&) = delete;
-  ~Encoder() { png_destroy_write_struct(&png_, &info_); }
-
-  Expected<std::string> encode(const GrayView& image) {
-    if (info_ == nullptr || !write(image)) {
-      return fail(ErrorKind::bad_data, "can't encode {}×{} px as PNG: {}", image.width_px,
-                  image.height_px, failure_.message.data());
-    }
-    return std::move(bytes_);
+    spng_exif exif{};
+    if (spng_get_exif(context_.get(), &exif) != 0) return 1;
+    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes of a block
+    return exif_orientation({reinterpret_cast<const std::uint8_t*>(exif.data), exif.length});
   }
 
  private:
-  static void append(png_structp png, png_bytep data, std::size_t count) {
-    // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): bytes of the file
-    static_cast<Encoder*>(png_get_io_ptr(png))->bytes_.append(reinterpret_cast<char*>(data), count);
+  /// As stored, but palettes as colours and values below 8 bits as 8.
+  [[nodiscard]] int format() const {
+    if (header_.color_type == SPNG_COLOR_TYPE_INDEXED) return SPNG_FMT_RGB8;
+    if (header_.bit_depth < 8) return SPNG_FMT_G8;
+    return SPNG_FMT_PNG;
   }
 
-  bool write(const GrayView& image) {
-    if (setjmp(failure_.jump) != 0) return false;  // NOLINT
-    png_set_write_fn(png_, this, append, nullptr);
-    png_set_compression_level(png_, kFastestCompression);
-    png_set_IHDR(png_, info_, static_cast<png_uint_32>(image.width_px),
-                 static_cast<png_uint_32>(image.height_px), 8, PNG_COLOR_TYPE_GRAY,
-                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-    png_write_info(png_, info_);
-    for (int y = 0; y < image.height_px; ++y) png_write_row(png_, image.row(y));
-    png_write_end(png_, info_);
-    return true;
+  /// Calls `take(row, channels, y, columns)` for every row of every pass.
+  template <typename Sample, typename Take>
+  int read_rows(const Take& take) {
+    int status = spng_decode_image(context_.get(), nullptr, 0, format(), SPNG_DECODE_PROGRESSIVE);
+    std::size_t image_bytes = 0;
+    if (status == 0) status = spng_decoded_image_size(context_.get(), format(), &image_bytes);
+    if (status != 0) return status;
+    const std::size_t channels = image_bytes / header_.height / header_.width / sizeof(Sample);
+    WAYMARK_CHECK(channels >= 1 && channels <= 4);
+    std::vector<Sample> row(header_.width * channels);
+    while (status != SPNG_EOI) {
+      spng_row_info info{};
+      if (const int told = spng_get_row_info(context_.get(), &info); told != 0) return told;
+      status = spng_decode_row(context_.get(), row.data(), row.size() * sizeof(Sample));
+      if (status != 0 && status != SPNG_EOI) return status;
+      take(row.data(), channels, static_cast<int>(info.row_num),
+           columns_of(info, header_.interlace_method != 0));
+    }
+    status = spng_decode_chunks(context_.get());
+    return status == 0 && !ends_whole_ ? SPNG_EIO : status;
   }
 
-  Failure failure_;
-  png_structp png_ = nullptr;
-  png_infop info_ = nullptr;
-  std::string bytes_;
+  Context context_;
+  spng_ihdr header_{};
+  int status_ = 0;
+  bool ends_whole_;  ///< the library does not ask for the end chunk's last bytes
 };
+
+/// The library's status; 0: all well.
+int encode(const GrayView& image, std::string& bytes) {
+  const Context context(spng_ctx_new(SPNG_CTX_ENCODER));
+  WAYMARK_CHECK(context != nullptr);
+  spng_ihdr header{};
+  header.width = static_cast<std::uint32_t>(image.width_px);
+  header.height = static_cast<std::uint32_t>(image.height_px);
+  header.bit_depth = 8;
+  header.color_type = SPNG_COLOR_TYPE_GRAYSCALE;
+  if (const int status = spng_set_ihdr(context.get(), &header); status != 0) return status;
+  spng_set_option(context.get(), SPNG_ENCODE_TO_BUFFER, 1);
+  spng_set_option(context.get(), SPNG_IMG_COMPRESSION_LEVEL, kFastestCompression);
+  int status = spng_encode_image(context.get(), nullptr, 0, SPNG_FMT_PNG,
+                                 SPNG_ENCODE_PROGRESSIVE | SPNG_ENCODE_FINALIZE);
+  for (int y = 0; y < image.height_px && status == 0; ++y) {
+    status = spng_encode_row(context.get(), image.row(y), header.width);
+  }
+  if (status != SPNG_EOI) return status;
+  std::size_t size = 0;
+  const std::unique_ptr<void, decltype(&std::free)> buffer(
+      spng_get_png_buffer(context.get(), &size, &status), &std::free);
+  if (buffer == nullptr) return status;
+  bytes.assign(static_cast<const char*>(buffer.get()), size);
+  return 0;
+}
 
 }  // namespace
 
 bool looks_like_png(std::string_view bytes) { return bytes.starts_with("\x89PNG\r\n\x1A\n"); }
 
-Expected<LoadedImage> decode_png(std::string_view bytes) { return Decoder(bytes).decode(); }
+Expected<ImageSize> png_size(std::string_view bytes) {
+  const Decoder decoder(bytes);
+  if (decoder.status() != 0) return damaged(decoder.status());
+  return decoder.size();
+}
 
-Expected<std::string> encode_png(const GrayView& image) { return Encoder().encode(image); }
+Expected<LoadedImage> decode_png(std::string_view bytes, std::optional<ImageSize> expected) {
+  Decoder decoder(bytes);
+  if (decoder.status() != 0) return damaged(decoder.status());
+  const ImageSize size = decoder.size();
+  if (auto fits = check_image_size(size, expected); !fits) {
+    return tl::make_unexpected(fits.error());
+  }
+  LoadedImage loaded;
+  if (decoder.is_deep()) {
+    int largest = 0;
+    if (const int status = Decoder(bytes).read_largest(largest); status != 0) {
+      return damaged(status);
+    }
+    loaded.deep = DeepPixels{largest, bits_in_use(largest)};
+  }
+  loaded.image = GrayImage(static_cast<int>(size.width_px), static_cast<int>(size.height_px));
+  const int shift = loaded.deep ? loaded.deep->bits_in_use - 8 : 0;
+  if (const int status = decoder.read_into(loaded.image, shift); status != 0) {
+    return damaged(status);
+  }
+  loaded.orientation_ignored = decoder.orientation() != 1;
+  return loaded;
+}
+
+Expected<std::string> encode_png(const GrayView& image) {
+  std::string bytes;
+  if (const int status = encode(image, bytes); status != 0) {
+    return fail(ErrorKind::bad_data, "can't encode {}×{} px as PNG: {}", image.width_px,
+                image.height_px, spng_strerror(status));
+  }
+  return bytes;
+}
 
 }  // namespace waymark

@@ -58,9 +58,18 @@ class ReplayOutput {
     if (options_.table) {
       if (auto written = write_file_atomically(*options_.table, table_); !written) return written;
     }
-    fmt::print(out, "{} frame sets: {} OK, {} DEGRADED, {} AMBIGUOUS, {} LOST\n",
-               by_status_[0] + by_status_[1] + by_status_[2] + by_status_[3], by_status_[0],
-               by_status_[1], by_status_[2], by_status_[3]);
+    const ReplayCapture::Unusable unusable = capture_.unusable();
+    const std::size_t sets = by_status_[0] + by_status_[1] + by_status_[2] + by_status_[3];
+    if (unusable.images > 0 && sets == 0) {
+      return fail(ErrorKind::bad_data, "{}: no image of {} can be used; the first: {}",
+                  capture_.folder().path.string(), unusable.images, unusable.first_reason);
+    }
+    if (unusable.images > 0) {
+      fmt::print(notes_, "note: {} images left out; the first: {}\n", unusable.images,
+                 unusable.first_reason);
+    }
+    fmt::print(out, "{} frame sets: {} OK, {} DEGRADED, {} AMBIGUOUS, {} LOST\n", sets,
+               by_status_[0], by_status_[1], by_status_[2], by_status_[3]);
     return {};
   }
 

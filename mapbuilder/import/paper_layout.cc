@@ -1,11 +1,11 @@
 #include "mapbuilder/import/paper_layout.h"
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <string>
 #include <tuple>
 
+#include "core/base/text_field.h"
 #include "core/base/toml_text.h"
 #include "core/camera/kalibr.h"
 #include "core/capture/image_file.h"
@@ -19,12 +19,6 @@ namespace fs = std::filesystem;
 bool is_there(const fs::path& path) {
   std::error_code ignored;
   return fs::exists(path, ignored);
-}
-
-std::string lower_case(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 /// The paper writes type = 'aruco', family = '4x4_1000'; our names are taken as well.
@@ -219,8 +213,8 @@ class LayoutReader {
 
   [[nodiscard]] std::optional<std::pair<int, int>> first_image_size() const {
     for (const ImageFile& file : capture_.images) {
-      if (const auto loaded = read_gray_image(file.path)) {
-        return std::pair(loaded->image.width_px, loaded->image.height_px);
+      if (const auto size = read_image_size(file.path); size && check_image_size(*size, {})) {
+        return std::pair(static_cast<int>(size->width_px), static_cast<int>(size->height_px));
       }
     }
     return std::nullopt;

@@ -1,5 +1,6 @@
 #include "mapbuilder/observations/detect_capture.h"
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <optional>
@@ -14,33 +15,63 @@ namespace {
 /// One image's outcome.
 struct DetectedImage {
   std::optional<FoundMarkers> found;
-  std::string warning;  ///< why there is none
+  std::optional<Error> why_not;
   bool orientation_ignored = false;
-  bool reduced_from_16_bit = false;
+  std::optional<DeepPixels> deep;
 };
 
 DetectedImage detect_image(const ImageFile& file, const CameraModel& camera,
                            ImageDetector& detector) {
   DetectedImage result;
-  auto loaded = read_gray_image(file.path);
-  if (!loaded) {
-    result.warning = loaded.error().message;
-    return result;
-  }
   const CameraParameters& expected = camera.parameters();
-  const GrayImage& image = loaded->image;
-  if (image.width_px != expected.width_px || image.height_px != expected.height_px) {
-    result.warning = fmt::format(
-        "{}: the image is {}×{}, rig.yaml says {}×{}; images are never scaled: calibrate at this "
-        "size",
-        file.path.string(), image.width_px, image.height_px, expected.width_px, expected.height_px);
+  auto loaded = read_gray_image(file.path, ImageSize{expected.width_px, expected.height_px});
+  if (!loaded) {
+    result.why_not = std::move(loaded.error());
     return result;
   }
+  const GrayImage& image = loaded->image;
   result.orientation_ignored = loaded->orientation_ignored;
-  result.reduced_from_16_bit = loaded->reduced_from_16_bit;
-  result.found = detector.detect(image.view(), camera);
+  result.deep = loaded->deep;
+  const FoundMarkers& found = detector.detect(image.view(), camera);
+  if (!found.failure.empty()) {
+    result.why_not = Error{ErrorKind::bad_data, fmt::format("{}: can't be searched for markers: {}",
+                                                            file.path.string(), found.failure)};
+    return result;
+  }
+  result.found = found;
   return result;
 }
+
+/// What the images with 16 bits per value have in common.
+class DeepImages {
+ public:
+  void add(const DeepPixels& deep) {
+    ++images_;
+    largest_ = std::max(largest_, deep.largest);
+    fewest_bits_ = std::min(fewest_bits_, deep.bits_in_use);
+    most_bits_ = std::max(most_bits_, deep.bits_in_use);
+  }
+
+  [[nodiscard]] std::optional<std::string> note() const {
+    if (images_ == 0) return std::nullopt;
+    if (fewest_bits_ == 16)
+      return fmt::format("{} images have 16 bits; the upper 8 are used", images_);
+    const std::string bits = fewest_bits_ == most_bits_
+                                 ? fmt::format("{}", most_bits_)
+                                 : fmt::format("{} to {}", fewest_bits_, most_bits_);
+    return fmt::format(
+        "{} images have 16 bits, the largest value is {} of 65535: {} bits in the low end, and "
+        "read "
+        "so",
+        images_, largest_, bits);
+  }
+
+ private:
+  std::size_t images_ = 0;
+  int largest_ = 0;
+  int fewest_bits_ = 16;
+  int most_bits_ = 0;
+};
 
 Expected<DetectedCapture> from_images(const CaptureFolder& capture,
                                       const DetectCaptureOptions& options, Progress& progress,
@@ -51,7 +82,8 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
   DetectedCapture detected{capture.path.string(),  capture.rig,      capture.catalog, {},
                            capture.sync_tolerance, capture.monotonic};
   std::size_t rotated = 0;
-  std::size_t deep = 0;
+  DeepImages deep;
+  std::optional<Error> first_error;
   const int threads = effective_threads(options.threads);
   // A batch at a time, so that progress can be shown from this thread.
   const std::size_t batch = static_cast<std::size_t>(threads) * 4;
@@ -76,11 +108,13 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
       ++report.images;
       if (!results[i].found) {
         ++report.unreadable;
-        report.warnings.push_back(results[i].warning + "; skipped");
+        const Error& why = *results[i].why_not;
+        report.warnings.push_back(why.message + "; skipped");
+        if (!first_error) first_error = why;
         continue;
       }
       rotated += results[i].orientation_ignored ? 1 : 0;
-      deep += results[i].reduced_from_16_bit ? 1 : 0;
+      if (results[i].deep) deep.add(*results[i].deep);
       report.counts += results[i].found->counts;
       report.detections += results[i].found->detections.size();
       detected.images.push_back({file.stamp, file.camera, std::move(results[i].found->detections)});
@@ -93,20 +127,22 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
         "{}: {} images ask for a rotation by EXIF; ignored, pixels are used as they are stored",
         detected.name, rotated));
   }
-  if (deep > 0) {
-    report.warnings.push_back(
-        fmt::format("{}: {} images have 16 bits; the upper 8 are used", detected.name, deep));
+  if (const auto note = deep.note()) {
+    report.warnings.push_back(fmt::format("{}: {}", detected.name, *note));
   }
   if (detected.images.empty()) {
-    return fail(ErrorKind::bad_data, "{}: none of {} images could be used; the first: {}",
-                detected.name, report.images,
-                report.warnings.empty() ? "there is none" : report.warnings.front());
+    Error none{ErrorKind::bad_data,
+               fmt::format("{}: none of {} images could be used; the first: {}", detected.name,
+                           report.images, first_error ? first_error->message : "there is none")};
+    if (first_error) none.cause = first_error->cause;
+    return tl::make_unexpected(std::move(none));
   }
   return detected;
 }
 
 Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport& report) {
-  auto table = read_detections_csv(*capture.detections_csv, capture.rig, capture.catalog);
+  auto table =
+      read_detections_csv(*capture.detections_csv, capture.rig, capture.catalog, capture.monotonic);
   if (!table) return tl::make_unexpected(table.error());
   const bool ours = table->detector.rfind("waymark-", 0) == 0;
   if (ours && table->detector != detector_name()) {

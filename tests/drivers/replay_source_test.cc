@@ -111,6 +111,127 @@ TEST(ReplaySource, DamagedImagesArePassedOverAndCounted) {
   EXPECT_EQ(sources[0]->damaged(), 2U);
 }
 
+/// One camera, images that are due the whole time: three within 3 ns, or one alone.
+std::vector<std::unique_ptr<FrameSource>> short_rounds(const TemporaryFolder& folder,
+                                                       const std::vector<std::int64_t>& stamps,
+                                                       const char* content) {
+  folder.write("rig.yaml", tiny_rig_yaml(1));
+  folder.write("markers.toml", tiny_markers_toml());
+  for (const std::int64_t stamp : stamps) {
+    folder.write("cam0/" + std::to_string(stamp) + ".pgm",
+                 *content != '\0' ? content : encode_pgm(GrayImage(64, 48, 7).view()));
+  }
+  ReplayOptions options;
+  options.realtime = true;
+  options.loop = true;
+  return open_sources(folder, options);
+}
+
+TEST(ReplaySource, ARoundThatIsShorterThanATurnNeitherHoldsUpNextNorStop) {
+  // Two stamps do not show what they are; 1 ns apart they make a round of 2 ns.
+  for (const auto& stamps :
+       {std::vector<std::int64_t>{1, 2}, {1'000'000'000, 1'000'000'001}, {5}}) {
+    const TemporaryFolder folder;
+    auto sources = short_rounds(folder, stamps, "");
+    ASSERT_TRUE(sources[0]->start());
+    Stamp last = Stamp::min();
+    std::uint64_t number = 0;
+    for (int i = 0; i < 5; ++i) {
+      const auto frame = sources[0]->next(Stamp::max());
+      ASSERT_TRUE(frame && *frame);
+      EXPECT_GT((*frame)->stamp(), last);
+      EXPECT_LE((*frame)->stamp(), monotonic_now());
+      EXPECT_GE((*frame)->info().sequence, number);
+      last = (*frame)->stamp();
+      number = (*frame)->info().sequence + 1;
+    }
+    sources[0]->stop();
+    const auto stopped = sources[0]->next(Stamp::max());
+    ASSERT_TRUE(stopped);
+    EXPECT_FALSE(*stopped);
+  }
+}
+
+TEST(ReplaySource, ARoundWithoutOneUsableImageIsAnErrorNotALoop) {
+  for (const bool realtime : {true, false}) {
+    for (const char* content : {"P5 1 1 255\nx", "GIF89a", "P5\n64 48\n255\nshort"}) {
+      const TemporaryFolder folder;
+      auto sources = short_rounds(folder, {0, 1'000'000, 2'000'000}, content);
+      if (!realtime) {
+        ReplayOptions options;
+        options.loop = true;
+        sources = open_sources(folder, options);
+      }
+      ASSERT_TRUE(sources[0]->start());
+      auto frame = sources[0]->next(Stamp::max());
+      ASSERT_FALSE(frame) << content;
+      EXPECT_NE(frame.error().message.find("no image of 3 can be used; the first: "),
+                std::string::npos);
+    }
+  }
+}
+
+TEST(ReplaySource, WhoComesLateFindsTheNewest) {
+  const TemporaryFolder folder;
+  std::vector<std::int64_t> stamps;
+  for (int i = 0; i < 50; ++i) stamps.push_back(i * 1'000'000);
+  auto sources = short_rounds(folder, stamps, "");
+  ASSERT_TRUE(sources[0]->start());
+  for (int i = 0; i < 20; ++i) {
+    const Stamp before = monotonic_now();
+    const auto frame = sources[0]->next(Stamp::max());
+    ASSERT_TRUE(frame && *frame);
+    EXPECT_GE((*frame)->stamp(), before - milliseconds(1));
+  }
+}
+
+TEST(ReplayCapture, StampsAtTheEndsOfTheirRangeNeitherOverflowNorHang) {
+  const std::int64_t last = kLargestStamp.count();
+  const std::vector<std::int64_t> variants[] = {{last},
+                                                {-last},
+                                                {last - 1'000'000, last},
+                                                {0, last},
+                                                {-last, -last + 1'000'000, -last + 2'000'000}};
+  for (const auto& stamps : variants) {
+    for (const bool realtime : {true, false}) {
+      const TemporaryFolder folder;
+      auto sources = short_rounds(folder, stamps, "");
+      if (!realtime) {
+        ReplayOptions options;
+        options.loop = true;
+        sources = open_sources(folder, options);
+      }
+      ASSERT_TRUE(sources[0]->start());
+      for (int i = 0; i < 3 && !sources[0]->ended(); ++i) {
+        EXPECT_TRUE(sources[0]->next(monotonic_now() + milliseconds(20)));
+      }
+    }
+  }
+  const TemporaryFolder folder;
+  folder.write("rig.yaml", tiny_rig_yaml(1));
+  folder.write("markers.toml", tiny_markers_toml());
+  for (const std::int64_t stamp : {-last, last}) {
+    folder.write("cam0/" + std::to_string(stamp) + ".pgm", "");
+  }
+  EXPECT_EQ(ReplayCapture::open(folder.path(), {}).error().cause, Cause::stamps);
+}
+
+TEST(ReplayCapture, ImagesThatCanNotBeUsedAreCountedWithTheFirstReason) {
+  const TemporaryFolder folder;
+  write_images(folder);
+  folder.write("cam0/1000000000.pgm", "");
+  folder.write("cam1/1020000000.pgm", encode_pgm(GrayImage(32, 48).view()));
+  const auto capture = ReplayCapture::open(folder.path(), {});
+  ASSERT_TRUE(capture);
+  for (auto& source : ReplayCapture::sources(*capture)) {
+    ASSERT_TRUE(source->start());
+    while (!source->ended()) ASSERT_TRUE(source->next(Stamp::max()));
+  }
+  EXPECT_EQ((*capture)->unusable().images, 2U);
+  EXPECT_NE((*capture)->unusable().first_reason.find("1000000000.pgm: empty file"),
+            std::string::npos);
+}
+
 TEST(ReplaySource, DetectionsAloneAreFramesWithoutImage) {
   const auto room = test::make_room({.markers = 12, .frame_sets = 4, .cameras = 2});
   const TemporaryFolder folder;

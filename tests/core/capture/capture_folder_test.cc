@@ -92,7 +92,8 @@ TEST_F(Capture, WrongCaptureTomlIsBadData) {
   folder_.write("detections.csv", kHeader);
   for (const char* text :
        {"clock = \"gps\"\n", "session = 3\n", "sync_tolerance_us = -1\n",
-        "sync_tolerance_us = 1000001\n", "sync_tolerance_us = 1.5\n", "x = \n"}) {
+        "sync_tolerance_us = 1000001\n", "sync_tolerance_us = 1.5\n", "x = \n",
+        "sync_tolerance = 3000\n", "Clock = \"monotonic\"\n", "[clock]\n", "codec = 3\n"}) {
     folder_.write("capture.toml", text);
     expect_failure(ErrorKind::bad_data, "capture.toml: line 1: ");
   }

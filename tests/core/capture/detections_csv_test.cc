@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <filesystem>
+#include <functional>
 #include <random>
 
 #include "core/camera/kalibr.h"
@@ -126,8 +129,8 @@ TEST_F(DetectionsCsv, OrderOfTheRowsLeavesNoTrace) {
   std::vector<std::string> rows;
   for (int i = 0; i < 200; ++i) {
     const int x = static_cast<int>(random() % 1000);
-    rows.push_back(fmt::format("{},cam{},{},{},1,{},1,{},9,{},9\n", random() % 20, random() % 2,
-                               random() % 5, x, x + 8, x + 8, x));
+    rows.push_back(fmt::format("{}0000000,cam{},{},{},1,{},1,{},9,{},9\n", random() % 20,
+                               random() % 2, random() % 5, x, x + 8, x + 8, x));
   }
   const auto text_of = [&] { return kHeader + fmt::format("{}", fmt::join(rows, "")); };
   const std::string expected = format_detections_csv(good(text_of()).images, rig_, catalog_, "x");
@@ -198,6 +201,168 @@ TEST_F(DetectionsCsv, StaleFileIsAnError) {
   EXPECT_TRUE(read(text.substr(text.find('\n') + 1))) << "somebody else's file can't be stale";
 }
 
+/// A room's worth of rows: 12 frame sets of two cameras, three markers each.
+struct Rows {
+  std::function<std::string(int)> stamp = [](int set) {
+    return std::to_string(1700000000000000000 + set * 100000000LL);
+  };
+  std::array<std::array<int, 2>, 4> corners{{{10, 10}, {20, 10}, {20, 20}, {10, 20}}};
+  std::string separator = ",";
+  std::string point = ".";
+  int copies = 1;
+
+  [[nodiscard]] std::string text() const {
+    std::string text =
+        fmt::format("{}\n", fmt::join(std::vector{"t_ns", "camera", "marker_id", "x0", "y0", "x1",
+                                                  "y1", "x2", "y2", "x3", "y3"},
+                                      separator));
+    for (int set = 0; set < 12; ++set) {
+      for (int camera = 0; camera < 2; ++camera) {
+        for (int marker = 0; marker < 3; ++marker) {
+          std::vector<std::string> fields{stamp(set), fmt::format("cam{}", camera),
+                                          fmt::format("{}", marker)};
+          for (const auto& [x, y] : corners) {
+            fields.push_back(fmt::format("{}{}{}", x + 12 * marker, point, set));
+            fields.push_back(fmt::format("{}{}5", y, point));
+          }
+          for (int copy = 0; copy < copies; ++copy) {
+            text += fmt::format("{}\n", fmt::join(fields, separator));
+          }
+        }
+      }
+    }
+    return text;
+  }
+};
+
+/// Tables as other programs write them: refused in one line that recognizes them.
+class ForeignTable : public DetectionsCsv {
+ protected:
+  void expect_recognized(const std::string& text, Cause cause, const char* message) const {
+    const auto table = read(text);
+    ASSERT_FALSE(table) << message;
+    EXPECT_EQ(table.error().kind, ErrorKind::bad_data);
+    EXPECT_EQ(table.error().cause, cause) << table.error().message;
+    EXPECT_THAT(table.error().message, HasSubstr("detections.csv: "));
+    EXPECT_THAT(table.error().message, HasSubstr(message));
+    EXPECT_EQ(table.error().message.find('\n'), std::string::npos);
+  }
+
+  static std::string utf16(std::string_view text, bool little_endian, bool with_mark) {
+    std::string wide = with_mark ? (little_endian ? "\xFF\xFE" : "\xFE\xFF") : "";
+    for (const char c : text) wide += little_endian ? std::string{c, '\0'} : std::string{'\0', c};
+    return wide;
+  }
+};
+
+TEST_F(ForeignTable, ARoomInOurFormatIsTaken) { EXPECT_EQ(good(Rows{}.text()).images.size(), 24U); }
+
+TEST_F(ForeignTable, OtherSeparators) {
+  const std::pair<const char*, const char*> variants[] = {
+      {";", "separated by \";\""}, {"\t", "separated by tabs"}, {"|", "separated by \"|\""}};
+  for (const auto& [separator, message] : variants) {
+    for (const char* point : {".", ","}) {
+      expect_recognized(Rows{.separator = separator, .point = point}.text(), Cause::csv, message);
+    }
+  }
+  expect_recognized(Rows{.point = ","}.text(), Cause::csv, "decimal commas");
+  expect_recognized("\"t_ns\",\"camera\"\n", Cause::csv, "in quotes");
+}
+
+TEST_F(ForeignTable, OtherEncodings) {
+  for (const bool little_endian : {true, false}) {
+    for (const bool with_mark : {true, false}) {
+      expect_recognized(utf16(Rows{}.text(), little_endian, with_mark), Cause::csv, "UTF-16");
+    }
+  }
+}
+
+TEST_F(ForeignTable, StampsInOtherUnits) {
+  const auto in = [](std::int64_t per_second, double fraction_of_s) {
+    return Rows{.stamp =
+                    [=](int set) {
+                      const double s = 1700000000.0 + set * fraction_of_s;
+                      return fmt::format("{:.0f}", s * static_cast<double>(per_second));
+                    }}
+        .text();
+  };
+  for (const double apart_s : {0.0333, 0.1, 0.5, 2.0}) {
+    expect_recognized(in(1'000'000, apart_s), Cause::stamps, "look like µs");
+    expect_recognized(in(1'000, apart_s), Cause::stamps, "look like ms");
+  }
+  expect_recognized(in(1, 1.0), Cause::stamps, "look like s");
+  expect_recognized(Rows{.stamp = [](int set) { return fmt::format("1700000000.{}", set); }}.text(),
+                    Cause::stamps, "in s?");
+  for (const char* rounded : {"1.70000E+18", "1.7e18", "1.70000000000E+18"}) {
+    expect_recognized(Rows{.stamp = [=](int) { return rounded; }}.text(), Cause::stamps,
+                      "rounded by a spreadsheet");
+  }
+}
+
+TEST_F(ForeignTable, StampsThatAreNone) {
+  for (const int first : {0, 1, 5000}) {
+    for (const int step : {1, 10}) {
+      expect_recognized(
+          Rows{.stamp = [=](int set) { return fmt::format("{}", first + step * set); }}.text(),
+          Cause::stamps, "frame numbers");
+    }
+  }
+  for (const char* same : {"0", "1700000000000000000"}) {
+    expect_recognized(Rows{.stamp = [=](int) { return same; }}.text(), Cause::stamps,
+                      fmt::format("all stamps are {}", same).c_str());
+  }
+  expect_recognized(
+      Rows{.stamp = [](int set) { return set % 2 == 0 ? std::string("0") : Rows{}.stamp(set); }}
+          .text(),
+      Cause::stamps, "stamps are 0, the others like");
+  for (const char* far : {"9223372036854775807", "-9223372036854775808", "4611686018427387904"}) {
+    expect_recognized(Rows{.stamp = [=](int) { return far; }}.text(), Cause::stamps, "146 years");
+  }
+}
+
+TEST_F(ForeignTable, StampsOfAnyEpochAreTaken) {
+  const std::function<std::string(int)> variants[] = {
+      [](int set) { return fmt::format("{}", set * 33'333'333LL); },
+      [](int set) { return fmt::format("{}", set * 33'333'333LL - 100'000'000); },
+      [](int set) { return fmt::format("{}", 1'700'000'000'000LL + set * 1'000'000LL); },
+      [](int set) { return fmt::format("{}", 1'700'000'000'000'000LL + set * 33'333'333LL); }};
+  for (const auto& stamp : variants) EXPECT_TRUE(read(Rows{.stamp = stamp}.text())) << stamp(1);
+  EXPECT_TRUE(read(std::string(kHeader) + "0,cam0,3,1,1,2,1,2,2,1,2\n0,cam1,3,1,1,2,1,2,2,1,2\n"));
+}
+
+TEST_F(ForeignTable, RowsTwice) {
+  expect_recognized(Rows{.copies = 2}.text(), Cause::csv, "every row stands twice");
+}
+
+TEST_F(ForeignTable, CornersInAnotherOrder) {
+  using Corners = std::array<std::array<int, 2>, 4>;
+  const std::pair<Corners, const char*> variants[] = {
+      {Corners{{{10, 20}, {20, 20}, {20, 10}, {10, 10}}}, "apriltag library"},
+      {Corners{{{10, 37}, {20, 37}, {20, 27}, {10, 27}}}, "height - 1 - y"},
+      {Corners{{{20, 10}, {10, 10}, {10, 20}, {20, 20}}}, "counter-clockwise"},
+      {Corners{{{10, 10}, {20, 10}, {10, 20}, {20, 20}}}, "crosses itself"},
+  };
+  for (const auto& [corners, message] : variants) {
+    expect_recognized(Rows{.corners = corners}.text(), Cause::csv, message);
+  }
+  const Corners turned{{{20, 20}, {10, 20}, {10, 10}, {20, 10}}};
+  EXPECT_TRUE(read(Rows{.corners = turned}.text())) << "a marker may hang upside down";
+}
+
+TEST_F(DetectionsCsv, MemoryIsBoundedBeforeALineOrTheFileIsTaken) {
+  EXPECT_THAT(read(std::string(kHeader) + std::string(200'000, ',')).error().message,
+              HasSubstr("line 2 has more than 65536 bytes"));
+  EXPECT_THAT(read(kHeader + std::string(64, ',')).error().message,
+              HasSubstr("line 2: more than 64 columns"));
+  EXPECT_THAT(read(std::string(100, ',') + "\n").error().message,
+              HasSubstr("line 1: more than 64 columns"));
+  const auto file = folder_.write("detections.csv", kHeader);
+  std::filesystem::resize_file(file, std::uintmax_t{3} << 30);
+  const auto sparse = read_detections_csv(file, rig_, catalog_);
+  ASSERT_FALSE(sparse);
+  EXPECT_THAT(sparse.error().message, HasSubstr("sparse"));
+}
+
 TEST_F(DetectionsCsv, AbsentFileIsNoInput) {
   EXPECT_EQ(read_detections_csv(folder_.path() / "absent.csv", rig_, catalog_).error().kind,
             ErrorKind::no_input);
@@ -207,7 +372,7 @@ TEST_F(DetectionsCsv, TwentyThousandRowsTakeNoTime) {
   std::string text = kHeader;
   for (int i = 0; i < 20'000; ++i) {
     text += fmt::format("{},cam0,{},100.1234,100.5,200.25,100.75,200.125,200.5,100.0625,200.1\n",
-                        1511000000000000000 + i / 20, i % 500 + i % 2);
+                        1511000000000000000 + i / 20 * 1000000, i % 500 + i % 2);
   }
   folder_.write("many.csv", text);
   const auto start = std::chrono::steady_clock::now();

@@ -62,10 +62,57 @@ TEST(ImageFile, WhatIsNoImageIsBadDataInOneLine) {
   };
   expect_bad("", "empty file");
   expect_bad("hello\n", "no image: neither JPEG nor PNG nor PGM");
-  expect_bad("GIF89a", "no image");
+  expect_bad("GIF89a", "a GIF image, which is not read; convert it to PNG");
   expect_bad(whole.substr(0, whole.size() / 2), "truncated PNG");
   expect_bad("\xFF\xD8\xFF\xE0", "truncated JPEG");
   expect_bad("P5 100 100 255\nabc", "truncated PGM");
+}
+
+TEST(ImageFile, AnotherSizeThanTheRigsIsRefusedByTheHeader) {
+  const TemporaryFolder folder;
+  for (const char* name : {"1.jpg", "1.png", "1.pgm"}) {
+    const auto file = folder.path() / name;
+    ASSERT_TRUE(write_gray_image(file, test_pattern(64, 48).view()));
+    EXPECT_TRUE(read_gray_image(file, ImageSize{64, 48})) << name;
+    const auto refused = read_gray_image(file, ImageSize{48, 64});
+    ASSERT_FALSE(refused) << name;
+    EXPECT_THAT(refused.error().message, HasSubstr("the image is 64×48, rig.yaml says 48×64"));
+    const auto size = read_image_size(file);
+    ASSERT_TRUE(size) << name;
+    EXPECT_EQ(*size, (ImageSize{64, 48}));
+  }
+}
+
+TEST(ImageFile, WhatNoImageOfTheRigsSizeNeedsIsNotRead) {
+  const TemporaryFolder folder;
+  // 8 bytes per pixel and 1 MiB; one byte more is refused without being read.
+  std::string pgm = "P5 64 48 255\n" + std::string(64 * 48, 'x');
+  pgm.resize((std::size_t{1} << 20) + 8 * 64 * 48, '\0');
+  EXPECT_TRUE(read_gray_image(folder.write("1.pgm", pgm), ImageSize{64, 48}));
+  const auto refused = read_gray_image(folder.write("1.pgm", pgm + "x"), ImageSize{64, 48});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("larger than"));
+  const auto sparse = folder.write("2.jpg", "");
+  std::filesystem::resize_file(sparse, std::size_t{1} << 31);
+  EXPECT_EQ(read_gray_image(sparse).error().kind, ErrorKind::bad_data);
+}
+
+TEST(ImageFile, FormatsThatAreNotReadAreNamed) {
+  const TemporaryFolder folder;
+  const std::pair<std::string, const char*> inputs[] = {
+      {"BM1234", "BMP"},
+      {std::string("II*\0abcd", 8), "TIFF"},
+      {std::string("MM\0*abcd", 8), "TIFF"},
+      {"RIFF1234WEBPVP8 ", "WebP"},
+      {"GIF89a", "GIF"},
+      {"1234ftypheic", "HEIF"},
+  };
+  for (const auto& [content, name] : inputs) {
+    const auto loaded = read_gray_image(folder.write("1.png", content));
+    ASSERT_FALSE(loaded) << name;
+    EXPECT_EQ(loaded.error().cause, Cause::format);
+    EXPECT_THAT(loaded.error().message, HasSubstr(fmt::format("a {} image", name)));
+  }
 }
 
 TEST(ImageFile, UnknownEndingCantBeWritten) {

@@ -18,7 +18,7 @@ TEST(Pgm, WrittenImageReadsBackToTheSame) {
   EXPECT_EQ(loaded->image.width_px, 37);
   EXPECT_EQ(loaded->image.height_px, 21);
   EXPECT_EQ(loaded->image.pixels, image.pixels);
-  EXPECT_FALSE(loaded->reduced_from_16_bit);
+  EXPECT_FALSE(loaded->deep);
   EXPECT_FALSE(loaded->orientation_ignored);
 }
 
@@ -46,14 +46,29 @@ TEST(Pgm, SixteenBitsAreBigEndianAndReducedToTheUpperEight) {
   const auto loaded = decode_pgm(std::string_view("P5 2 1 65535\n\x12\xFF\xFF\x00", 17));
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_THAT(loaded->image.pixels, ElementsAre(0x12, 0xFF));
-  EXPECT_TRUE(loaded->reduced_from_16_bit);
+  EXPECT_TRUE(loaded->deep);
+}
+
+TEST(Pgm, BitsInTheLowEndOfSixteenAreReadAsSuch) {
+  const auto loaded = decode_pgm(std::string_view("P5 2 1 65535\n\x03\xFC\x02\x00", 17));
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_THAT(loaded->image.pixels, ElementsAre(255, 128));
+  EXPECT_EQ(loaded->deep->largest, 1020);
+  EXPECT_EQ(loaded->deep->bits_in_use, 10);
+}
+
+TEST(Pgm, AnotherSizeThanExpectedIsRefused) {
+  EXPECT_TRUE(decode_pgm("P5 2 1 255\nab", ImageSize{2, 1}));
+  const auto loaded = decode_pgm("P5 2 1 255\nab", ImageSize{1, 2});
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("the image is 2×1, rig.yaml says 1×2"));
 }
 
 TEST(Pgm, OtherMaximaAreScaledTo255) {
   const auto twelve_bit = decode_pgm(std::string_view("P5 3 1 4095\n\x00\x00\x08\x00\x0F\xFF", 18));
   ASSERT_TRUE(twelve_bit) << twelve_bit.error().message;
   EXPECT_THAT(twelve_bit->image.pixels, ElementsAre(0, 128, 255));
-  EXPECT_TRUE(twelve_bit->reduced_from_16_bit);
+  EXPECT_TRUE(twelve_bit->deep);
   const auto bilevel = decode_pgm(std::string_view("P5 3 1 1\n\x00\x01\x09", 12));
   ASSERT_TRUE(bilevel);
   EXPECT_THAT(bilevel->image.pixels, ElementsAre(0, 255, 255))

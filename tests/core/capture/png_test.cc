@@ -1,9 +1,12 @@
 #include "core/capture/png.h"
 
 #include <gmock/gmock.h>
+#include <png.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <opencv2/imgcodecs.hpp>
+#include <random>
 
 #include "tests/support/exif_block.h"
 #include "tests/support/test_pattern.h"
@@ -35,6 +38,73 @@ std::string chunk(const std::string& type, const std::string& data) {
 
 constexpr std::size_t kAfterHeader = 8 + 25;  ///< signature and IHDR chunk
 
+constexpr int kWidth = 19;  ///< of libpng's images; no multiple of an interlaced pass's steps
+constexpr int kHeight = 13;
+
+/// Random samples of one kind.
+std::string libpng_png(int kind, int depth, int interlace) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  std::string bytes;
+  png_set_write_fn(
+      png, &bytes,
+      [](png_structp from, png_bytep data, std::size_t size) {
+        static_cast<std::string*>(png_get_io_ptr(from))
+            ->append(reinterpret_cast<const char*>(data), size);
+      },
+      nullptr);
+  png_set_IHDR(png, info, kWidth, kHeight, depth, kind, interlace, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  std::mt19937 random(5);
+  if (kind == PNG_COLOR_TYPE_PALETTE) {
+    std::vector<png_color> palette(std::size_t{1} << depth);
+    for (png_color& color : palette) {
+      color = {static_cast<png_byte>(random()), static_cast<png_byte>(random()),
+               static_cast<png_byte>(random())};
+    }
+    png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
+  }
+  png_write_info(png, info);
+  std::vector<std::vector<png_byte>> rows(kHeight,
+                                          std::vector<png_byte>(png_get_rowbytes(png, info)));
+  std::vector<png_bytep> pointers;
+  for (auto& row : rows) {
+    for (png_byte& byte : row) byte = static_cast<png_byte>(random());
+    pointers.push_back(row.data());
+  }
+  png_write_image(png, pointers.data());
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return bytes;
+}
+
+/// Read by libpng: the upper 8 of 16 bits, without alpha, colours by the same weights.
+std::vector<std::uint8_t> libpng_gray(std::string bytes) {
+  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  png_set_read_fn(png, &bytes, [](png_structp to, png_bytep data, std::size_t size) {
+    auto& rest = *static_cast<std::string*>(png_get_io_ptr(to));
+    std::copy_n(rest.begin(), size, data);
+    rest.erase(0, size);
+  });
+  png_read_png(png, info, PNG_TRANSFORM_STRIP_16 | PNG_TRANSFORM_EXPAND | PNG_TRANSFORM_STRIP_ALPHA,
+               nullptr);
+  const std::size_t channels = png_get_channels(png, info);
+  png_bytepp rows = png_get_rows(png, info);
+  std::vector<std::uint8_t> gray;
+  for (int y = 0; y < kHeight; ++y) {
+    for (std::size_t x = 0; x < kWidth; ++x) {
+      const png_byte* pixel = rows[y] + x * channels;
+      gray.push_back(channels == 1
+                         ? pixel[0]
+                         : static_cast<std::uint8_t>(
+                               (299 * pixel[0] + 587 * pixel[1] + 114 * pixel[2] + 500) / 1000));
+    }
+  }
+  png_destroy_read_struct(&png, &info, nullptr);
+  return gray;
+}
+
 TEST(Png, WrittenImageReadsBackToTheSame) {
   const GrayImage image = test_pattern(101, 75);
   const auto bytes = encode_png(image.view());
@@ -44,7 +114,7 @@ TEST(Png, WrittenImageReadsBackToTheSame) {
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(loaded->image.width_px, 101);
   EXPECT_EQ(loaded->image.pixels, image.pixels);
-  EXPECT_FALSE(loaded->reduced_from_16_bit);
+  EXPECT_FALSE(loaded->deep);
   EXPECT_FALSE(loaded->orientation_ignored);
 }
 
@@ -52,8 +122,25 @@ TEST(Png, SixteenBitsAreReducedToTheUpperEightAndSaid) {
   cv::Mat picture(10, 12, CV_16UC1, cv::Scalar(0xAB7F));
   const auto loaded = decode_png(png_of(picture));
   ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_TRUE(loaded->reduced_from_16_bit);
+  ASSERT_TRUE(loaded->deep);
+  EXPECT_EQ(loaded->deep->bits_in_use, 16);
+  EXPECT_EQ(loaded->deep->largest, 0xAB7F);
   EXPECT_THAT(loaded->image.pixels, Each(0xAB));
+}
+
+TEST(Png, BitsInTheLowEndAreReadAsSuch) {
+  for (const int bits : {10, 12, 14}) {
+    cv::Mat picture(10, 12, CV_16UC1, cv::Scalar(0));
+    picture.at<std::uint16_t>(3, 4) = static_cast<std::uint16_t>((1 << bits) - 4);
+    picture.at<std::uint16_t>(9, 11) = static_cast<std::uint16_t>(1 << (bits - 1));
+    const auto loaded = decode_png(png_of(picture));
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_EQ(loaded->deep->bits_in_use, bits);
+    EXPECT_EQ(loaded->deep->largest, (1 << bits) - 4);
+    EXPECT_EQ(loaded->image.row(3)[4], ((1 << bits) - 4) >> (bits - 8));
+    EXPECT_EQ(loaded->image.row(9)[11], 128);
+    EXPECT_EQ(loaded->image.row(0)[0], 0);
+  }
 }
 
 TEST(Png, ColourIsReadByItsLumaWithoutAlpha) {
@@ -66,6 +153,44 @@ TEST(Png, ColourIsReadByItsLumaWithoutAlpha) {
   const auto deep = decode_png(png_of(cv::Mat(4, 5, CV_16UC3, cv::Scalar(2560, 25600, 51200))));
   ASSERT_TRUE(deep) << deep.error().message;
   EXPECT_THAT(deep->image.pixels, Each(120));
+}
+
+/// Every kind of pixel in every order of rows, written and read by libpng's own functions.
+TEST(Png, EveryKindIsReadAsLibpngDoes) {
+  const int kinds[] = {PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                       PNG_COLOR_TYPE_RGB_ALPHA, PNG_COLOR_TYPE_PALETTE};
+  for (const int kind : kinds) {
+    for (const int depth : {1, 2, 4, 8, 16}) {
+      if (depth < 8 && kind != PNG_COLOR_TYPE_GRAY && kind != PNG_COLOR_TYPE_PALETTE) continue;
+      if (depth == 16 && kind == PNG_COLOR_TYPE_PALETTE) continue;
+      for (const int interlace : {PNG_INTERLACE_NONE, PNG_INTERLACE_ADAM7}) {
+        const std::string bytes = libpng_png(kind, depth, interlace);
+        const auto loaded = decode_png(bytes);
+        ASSERT_TRUE(loaded) << kind << ' ' << depth << ' ' << loaded.error().message;
+        const std::vector<std::uint8_t> expected = libpng_gray(bytes);
+        EXPECT_EQ(loaded->image.pixels, expected) << kind << ' ' << depth << ' ' << interlace;
+      }
+    }
+  }
+}
+
+TEST(Png, AnotherSizeThanExpectedIsRefusedBeforePixelsAreDecoded) {
+  const std::string bytes = *encode_png(test_pattern(64, 48).view());
+  EXPECT_TRUE(decode_png(bytes, ImageSize{64, 48}));
+  const auto loaded = decode_png(bytes.substr(0, 40), ImageSize{48, 64});
+  ASSERT_FALSE(loaded);
+  EXPECT_THAT(loaded.error().message, HasSubstr("the image is 64×48, rig.yaml says 48×64"));
+}
+
+TEST(Png, TextsThatUnpackToMoreThanAnImageHoldsAreRefused) {
+  std::vector<Bytef> zeros(64 << 20, 0);
+  uLongf size = compressBound(zeros.size());
+  std::vector<Bytef> packed(size);
+  ASSERT_EQ(compress(packed.data(), &size, zeros.data(), zeros.size()), Z_OK);
+  std::string bytes = *encode_png(test_pattern(8, 8).view());
+  bytes.insert(kAfterHeader, chunk("zTXt", std::string("a\0\0", 3) +
+                                               std::string(packed.begin(), packed.begin() + size)));
+  EXPECT_FALSE(decode_png(bytes));
 }
 
 TEST(Png, GammaChunkLeavesTheStoredValues) {

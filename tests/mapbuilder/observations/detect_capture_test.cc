@@ -108,7 +108,32 @@ TEST_F(DetectCapture, SixteenBitImagesAreSaid) {
   const auto detected = detect();
   ASSERT_TRUE(detected) << detected.error().message;
   EXPECT_EQ(detected->images[0].detections.size(), 2U);
-  EXPECT_THAT(report_.warnings, Contains(HasSubstr("1 images have 16 bits")));
+  EXPECT_THAT(report_.warnings, Contains(HasSubstr("1 images have 16 bits; the upper 8 are used")));
+}
+
+TEST_F(DetectCapture, BitsInTheLowEndOfSixteenAreReadAndSaid) {
+  for (const int bits : {10, 12, 14}) {
+    std::string pgm = "P5 320 240 65535\n";
+    for (const std::uint8_t pixel : scene_image(0).pixels) {
+      const int value = pixel << (bits - 8);
+      pgm += static_cast<char>(value >> 8);
+      pgm += static_cast<char>(value);
+    }
+    folder_.write("cam0/10.pgm", pgm);
+    const auto detected = detect();
+    ASSERT_TRUE(detected) << detected.error().message;
+    EXPECT_EQ(detected->images[0].detections.size(), 2U);
+    EXPECT_THAT(report_.warnings,
+                Contains(HasSubstr(fmt::format("of 65535: {} bits in the low end", bits))));
+  }
+}
+
+TEST_F(DetectCapture, ImagesInAFormatThatIsNotReadAreACause) {
+  folder_.write("cam0/10.png", std::string("II*\0\0\0\0\0", 8));
+  const auto detected = detect();
+  ASSERT_FALSE(detected);
+  EXPECT_EQ(detected.error().cause, Cause::format);
+  EXPECT_THAT(detected.error().message, HasSubstr("10.png: a TIFF image"));
 }
 
 TEST_F(DetectCapture, AnImageWithoutMarkersWasSeen) {
@@ -123,9 +148,9 @@ TEST_F(DetectCapture, DetectionsCsvBeatsImagesUnlessToldOtherwise) {
   add_image("10.png");
   folder_.write("detections.csv",
                 "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n"
-                "10,cam0,7,10,10,60,10,60,60,10,60\n"
-                "11,cam0,8,60,10,10,10,10,60,60,60\n"
-                "12,cam0,tag25h9:3,10,10,60,10,60,60,10,60\n");
+                "1000000000,cam0,7,10,10,60,10,60,60,10,60\n"
+                "1100000000,cam0,8,60,10,10,10,10,60,60,60\n"
+                "1200000000,cam0,tag25h9:3,10,10,60,10,60,60,10,60\n");
   const auto from_csv = detect();
   ASSERT_TRUE(from_csv) << from_csv.error().message;
   EXPECT_TRUE(report_.from_csv);
