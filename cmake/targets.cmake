@@ -9,33 +9,52 @@ set(WAYMARK_MODULE_FOLDER ${PROJECT_BINARY_DIR}/modules)
 set(CMAKE_BUILD_RPATH ${WAYMARK_MODULE_FOLDER})
 set(CMAKE_INSTALL_RPATH $ORIGIN/../lib/waymark)
 
+set(WAYMARK_FAST $<$<CONFIG:Release>:-O3>)
+
 # Headers that nearly every source includes are compiled once for all of them. Sources still include what they use:
-# scripts/check builds without.
-function(waymark_precompile target headers)
-  if(WAYMARK_PRECOMPILED_HEADERS)
-    target_precompile_headers(${target} REUSE_FROM waymark_precompiled_${headers})
-  endif()
+# scripts/check builds without. GCC optimizes whatever uses a precompiled header as that header was, so that there is one per kind of
+# optimization, and sources with options of their own (waymark_source_options) use none.
+function(waymark_precompiled kind header)
+  add_library(waymark_precompiled_${kind} OBJECT ${PROJECT_BINARY_DIR}/precompiled_headers.cc)
+  target_precompile_headers(waymark_precompiled_${kind} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${header})
+  target_link_libraries(waymark_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt tl::expected waymark_warnings)
 endfunction()
 if(WAYMARK_PRECOMPILED_HEADERS)
-  set(empty ${PROJECT_BINARY_DIR}/precompiled_headers.cc)
-  file(GENERATE OUTPUT ${empty} CONTENT "")
-  add_library(waymark_precompiled_common OBJECT ${empty})
-  target_precompile_headers(waymark_precompiled_common PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled_common.h)
-  target_link_libraries(waymark_precompiled_common PRIVATE Eigen3::Eigen fmt::fmt tl::expected waymark_warnings)
+  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/precompiled_headers.cc CONTENT "")
+  waymark_precompiled(common precompiled_common.h)
+  waymark_precompiled(fast precompiled_common.h)
+  target_compile_options(waymark_precompiled_fast PRIVATE ${WAYMARK_FAST})
+  if(WAYMARK_TESTS)
+    waymark_precompiled(tests precompiled_tests.h)
+    target_link_libraries(waymark_precompiled_tests PRIVATE GTest::gmock)
+  endif()
 endif()
-if(WAYMARK_PRECOMPILED_HEADERS AND WAYMARK_TESTS)
-  add_library(waymark_precompiled_tests OBJECT ${empty})
-  target_precompile_headers(waymark_precompiled_tests PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h)
-  target_link_libraries(waymark_precompiled_tests PRIVATE Eigen3::Eigen fmt::fmt tl::expected GTest::gmock waymark_warnings)
-endif()
+function(waymark_precompile target kind)
+  if(WAYMARK_PRECOMPILED_HEADERS)
+    target_precompile_headers(${target} REUSE_FROM waymark_precompiled_${kind})
+  endif()
+endfunction()
 
-# waymark_library(<name> SOURCES … PUBLIC … PRIVATE …): a static library, included from the top of the tree.
+# waymark_source_options(<option…> SOURCES <source…>): for single sources of the target that is being declared.
+function(waymark_source_options)
+  cmake_parse_arguments(ARG "" "" "SOURCES" ${ARGN})
+  set_source_files_properties(${ARG_SOURCES} PROPERTIES COMPILE_OPTIONS "${ARG_UNPARSED_ARGUMENTS}"
+                                                        SKIP_PRECOMPILE_HEADERS ON)
+endfunction()
+
+# waymark_library(<name> [FAST] SOURCES … PUBLIC … PRIVATE …): a static library, included from the top of the tree. FAST is for small
+# matrices of fixed size: -O3 inlines what -O2 calls.
 function(waymark_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "FAST" "" "SOURCES;PUBLIC;PRIVATE" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_include_directories(${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
   target_link_libraries(${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:waymark_warnings>)
-  waymark_precompile(${name} common)
+  if(ARG_FAST)
+    target_compile_options(${name} PRIVATE ${WAYMARK_FAST})
+    waymark_precompile(${name} fast)
+  else()
+    waymark_precompile(${name} common)
+  endif()
 endfunction()
 
 # waymark_core_library(…): one that programs outside this tree may link, too: Waymark::<name without waymark_> after

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/base/check.h"
+#include "core/geometry/symmetric_factor.h"
 #include "locd/pose/pose_estimate.h"
 #include "locd/pose/pose_gate.h"
 #include "simulator/rig_library.h"
@@ -43,7 +44,7 @@ struct Errors {
     ++sets;
     position2 += off_m * off_m;
     rotation2 += off_rad * off_rad;
-    nees += error.dot(estimate.covariance.ldlt().solve(error));
+    nees += error.dot(SymmetricFactor<6>(estimate.covariance).solve(error));
     worst_m = std::max(worst_m, off_m);
     worst_rad = std::max(worst_rad, off_rad);
     if ((off_m > 0.020 && off_m > 3 * sigmas.position_m) ||

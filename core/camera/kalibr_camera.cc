@@ -3,11 +3,12 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <string_view>
+
+#include "core/geometry/decompositions.h"
 
 namespace waymark {
 namespace {
@@ -25,8 +26,8 @@ double rotation_error(const Eigen::Matrix3d& r) {
 }
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& r) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
+  const SingularVectors svd = singular_vectors(r);
+  return svd.u * svd.v.transpose();
 }
 
 /// Reads the keys of one camera. Every function fails with file, line, camera and key.

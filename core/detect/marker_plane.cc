@@ -2,12 +2,13 @@
 
 #include <Eigen/Geometry>
 
+#include "core/geometry/decompositions.h"
+
 namespace waymark {
 
 MarkerPlane::MarkerPlane(const CameraModel& camera, const Eigen::Vector3d& axis)
     : camera_(&camera),
-      plane_from_cam_(
-          Eigen::Quaterniond::FromTwoVectors(axis, Eigen::Vector3d::UnitZ()).toRotationMatrix()) {}
+      plane_from_cam_(shortest_rotation(axis, Eigen::Vector3d::UnitZ()).toRotationMatrix()) {}
 
 std::optional<Eigen::Vector2d> MarkerPlane::plane_from_pixel(const Eigen::Vector2d& pixel) const {
   const auto bearing = camera_->bearing(pixel);

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/geometry/symmetric_factor.h"
+
 namespace waymark {
 namespace {
 
@@ -153,7 +155,7 @@ Curve Steps::fit_to_agreeing(const Curve& curve, double tolerance_px, bool bowed
     right += step.outside_px * basis;
   });
   if (!bowed) information(2, 2) = 1;
-  const Eigen::Vector3d solution = information.ldlt().solve(right);
+  const Eigen::Vector3d solution = SymmetricFactor<3>(information).solve(right);
   return solution.allFinite() ? Curve{solution[0], solution[1], solution[2]} : curve;
 }
 

@@ -5,7 +5,9 @@
 #include <limits>
 #include <utility>
 
+#include "core/geometry/decompositions.h"
 #include "core/geometry/square_homography.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -25,7 +27,7 @@ std::optional<Eigen::Matrix3d> homography_from_square(const Points2& q) {
 
 /// Rotation that turns the z axis into `direction` (unit) the short way.
 Eigen::Matrix3d rotation_from_z_to(const Eigen::Vector3d& direction) {
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), direction).toRotationMatrix();
+  return shortest_rotation(Eigen::Vector3d::UnitZ(), direction).toRotationMatrix();
 }
 
 /// Translation that best explains the corners for a given rotation: linear least squares of
@@ -42,7 +44,7 @@ Eigen::Vector3d best_translation(const Eigen::Matrix3d& rotation, const Points2&
     normal += a.transpose() * a;
     right += a.transpose() * b;
   }
-  return normal.ldlt().solve(right);
+  return SymmetricFactor<3>(normal).solve(right);
 }
 
 double reprojection_rms_px(const CameraModel& camera, const Rigid3& cam_from_marker,
@@ -70,7 +72,7 @@ std::optional<std::array<Eigen::Matrix3d, 2>> ippe_rotations(const Eigen::Matrix
   p << 1, 0, -v.x(), 0, 1, -v.y();
   const Eigen::Matrix2d b = (p * rv).leftCols<2>();
   const Eigen::Matrix2d a = b.inverse() * j;
-  const double gamma = Eigen::JacobiSVD<Eigen::Matrix2d>(a).singularValues()(0);
+  const double gamma = largest_singular_value(a);
   if (!(gamma > 1e-12) || !std::isfinite(gamma)) return std::nullopt;
 
   const Eigen::Matrix2d r22 = a / gamma;

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <optional>
 
 #include "core/geometry/rigid3.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 
@@ -43,7 +43,7 @@ template <typename Linearize>
     Matrix6d damped = here.hessian;
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12;
-    const Vector6d step = -damped.ldlt().solve(here.gradient);
+    const Vector6d step = -SymmetricFactor<6>(damped).solve(here.gradient);
     if (!step.allFinite()) break;
     const double promised = -step.dot(here.gradient);
     const Rigid3 next = pose.plus(step);

@@ -1,16 +1,16 @@
 #include "core/geometry/alignment.h"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/geometry/decompositions.h"
 
 namespace waymark {
 namespace {
 
-/// Second singular value over the first below which points count as lying on a line.
+/// Second singular value of the centred points over the first, below which points count as lying on
+/// a line.
 constexpr double kLineRatio = 1e-6;
 
 Eigen::Vector3d mean_of(std::span<const Eigen::Vector3d> points) {
@@ -56,9 +56,10 @@ std::vector<Eigen::Vector3d> positions_of(std::span<const Rigid3> poses) {
 
 bool lie_on_a_line(std::span<const Eigen::Vector3d> points) {
   if (points.size() < 3) return true;
-  const Eigen::Vector3d values =
-      Eigen::JacobiSVD<Eigen::Matrix3Xd>(centred(points)).singularValues();
-  return values[1] <= kLineRatio * values[0];
+  const Eigen::Matrix3Xd columns = centred(points);
+  const Eigen::Matrix3d scatter = columns * columns.transpose();
+  const Eigen::Vector3d squares = symmetric_eigenvalues<3>(scatter);  // ascending
+  return squares[1] <= kLineRatio * kLineRatio * squares[2];
 }
 
 std::optional<Similarity3> align_points(std::span<const Eigen::Vector3d> source,
@@ -66,12 +67,11 @@ std::optional<Similarity3> align_points(std::span<const Eigen::Vector3d> source,
   WAYMARK_CHECK(source.size() == target.size());
   if (lie_on_a_line(source) || lie_on_a_line(target)) return std::nullopt;
   const Eigen::Matrix3d correlation = centred(target) * centred(source).transpose();
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SingularVectors svd = singular_vectors(correlation);
   // Umeyama's equation 43: a rotation, never a reflection.
   Eigen::Vector3d signs(1, 1, 1);
-  if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0) signs.z() = -1;
-  const Eigen::Matrix3d rotation = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  if (svd.u.determinant() * svd.v.determinant() < 0) signs.z() = -1;
+  const Eigen::Matrix3d rotation = svd.u * signs.asDiagonal() * svd.v.transpose();
   return complete(Eigen::Quaterniond(rotation).normalized(), source, target, with_scale);
 }
 
@@ -85,8 +85,7 @@ std::optional<Similarity3> align_poses(std::span<const Rigid3> source,
     const Eigen::Vector4d q = (target[i].rotation * source[i].rotation.conjugate()).coeffs();
     moment += q * q.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(moment);
-  const Eigen::Quaterniond rotation(Eigen::Vector4d(solver.eigenvectors().col(3)));
+  const Eigen::Quaterniond rotation(Eigen::Vector4d(symmetric_eigen<4>(moment).vectors.col(3)));
   return complete(rotation.normalized(), positions_of(source), positions_of(target), with_scale);
 }
 

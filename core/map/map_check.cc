@@ -1,11 +1,12 @@
 #include "core/map/map_check.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 #include <string_view>
+
+#include "core/geometry/decompositions.h"
 
 namespace waymark {
 namespace {
@@ -36,8 +37,7 @@ std::string_view covariance_fault(const Matrix6d& covariance) {
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding) {
     return "covariance is not symmetric";
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(covariance, Eigen::EigenvaluesOnly);
-  if (!(solver.eigenvalues().minCoeff() >= -rounding)) {
+  if (!(symmetric_eigenvalues<6>(covariance).minCoeff() >= -rounding)) {
     return "covariance is not positive semidefinite";
   }
   return {};

@@ -1,10 +1,10 @@
 #include "locd/pose/camera_watch.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <limits>
 
 #include "core/estimate/robust_loss.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -38,7 +38,7 @@ double median(std::vector<double>& values) {
 }
 
 double squared_sigmas(const Eigen::Vector3d& offset, const Eigen::Matrix3d& covariance) {
-  return offset.dot(covariance.ldlt().solve(offset));
+  return offset.dot(SymmetricFactor<3>(covariance).solve(offset));
 }
 
 }  // namespace
@@ -118,7 +118,7 @@ void CameraWatch::fit_camera(std::size_t camera, std::span<const SetObservation>
       fit.evidence.noalias() -= weight * w.by_rig.transpose() * w.residual;
     }
     fit.information.diagonal().array() += 1e-9;
-    step = fit.information.ldlt().solve(fit.evidence);
+    step = SymmetricFactor<6>(fit.information).solve(fit.evidence);
   }
   squared_.clear();
   std::size_t explained = 0;
@@ -147,7 +147,7 @@ void CameraWatch::sum_displacements() {
     evidence += fits_[c].evidence;
   }
   if (summable < 2) return;
-  const Eigen::LDLT<Matrix6d> factor(all);
+  const SymmetricFactor<6> factor(all);
   const Vector6d common = factor.solve(evidence);
   const double keep = 1.0 - 1.0 / options_.memory_sets;
   for (std::size_t c = 0; c < cameras_; ++c) {
@@ -156,10 +156,11 @@ void CameraWatch::sum_displacements() {
     record.information *= keep;
     record.evidence *= keep;
     if (!fit.summable) continue;
-    const Matrix6d information = fit.information - fit.information * factor.solve(fit.information);
+    const Matrix6d information =
+        fit.information - fit.information * factor.solve_columns(fit.information);
     const Vector6d against = fit.evidence - fit.information * common;
     // No set alone may condemn a camera: it may show two markers that were moved, and no other.
-    const Vector6d offset = (information + Matrix6d::Identity()).ldlt().solve(against);
+    const Vector6d offset = SymmetricFactor<6>(information + Matrix6d::Identity()).solve(against);
     const double say = std::min(1.0, kMostPerSet / std::max(offset.dot(against), kMostPerSet));
     record.information += say * information;
     record.evidence += say * against;
@@ -171,10 +172,10 @@ CameraWatch::Displacement CameraWatch::displacement(const Record& record) const 
   Displacement result;
   // ± 1 m, ± 1 rad before anything was seen.
   const Matrix6d information = record.information + Matrix6d::Identity();
-  const Eigen::LDLT<Matrix6d> factor(information);
+  const SymmetricFactor<6> factor(information);
   result.offset = factor.solve(record.evidence);
   result.explained = result.offset.dot(record.evidence);
-  const Matrix6d covariance = factor.solve(Matrix6d::Identity());
+  const Matrix6d covariance = factor.inverse();
   const double moved_m = result.offset.head<3>().norm();
   const double turned_rad = result.offset.tail<3>().norm();
   result.significant =

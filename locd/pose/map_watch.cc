@@ -1,10 +1,10 @@
 #include "locd/pose/map_watch.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/symmetric_factor.h"
 #include "locd/pose/whitened_residual.h"
 
 namespace waymark {
@@ -116,15 +116,15 @@ void MapWatch::look_elsewhere(const SetObservation& o, const PoseSolution& solut
 bool MapWatch::drifted(const Record& record, const MapMarker& marker, Vector6d& offset) const {
   // ± 1 m, ± 1 rad before anything was seen.
   const Matrix6d information = record.information + Matrix6d::Identity();
-  const Eigen::LDLT<Matrix6d> factor(information);
+  const SymmetricFactor<6> factor(information);
   offset = factor.solve(record.evidence);
   // Quick exit for what is true of nearly every marker: no offset is significant even without map.
   if (offset.dot(record.evidence) < options_.naming_chi2) return false;
   const bool large = offset.head<3>().norm() >= options_.min_offset_m ||
                      offset.tail<3>().norm() >= options_.min_turn_rad;
   if (!large) return false;
-  const Matrix6d covariance = factor.solve(Matrix6d::Identity()) + marker.covariance;
-  return offset.dot(covariance.ldlt().solve(offset)) >= options_.naming_chi2;
+  const Matrix6d covariance = factor.inverse() + marker.covariance;
+  return offset.dot(SymmetricFactor<6>(covariance).solve(offset)) >= options_.naming_chi2;
 }
 
 void MapWatch::name(Stamp stamp, std::size_t map_index, const Vector6d& offset,

@@ -1,8 +1,9 @@
 #include "locd/pose/motion_filter.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <chrono>
+
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -79,12 +80,12 @@ void MotionFilter::update(Stamp stamp, const MotionEvidence& evidence) {
   Eigen::Matrix<double, 12, 1> pull = information * from_state;
   pull.head<6>() += evidence.towards_pose;
   pull.tail<6>() += evidence.towards_velocity;
-  const Matrix12d posterior = state.covariance.ldlt().solve(Matrix12d::Identity()) + information;
-  const Eigen::LDLT<Matrix12d> factor(posterior);
+  const Matrix12d posterior = SymmetricFactor<12>(state.covariance).inverse() + information;
+  const SymmetricFactor<12> factor(posterior);
   const Eigen::Matrix<double, 12, 1> step = factor.solve(pull);
   state_.pose = state.pose.plus(step.head<6>());
   state_.velocity = state.velocity + step.tail<6>();
-  state_.covariance = factor.solve(Matrix12d::Identity());
+  state_.covariance = factor.inverse();
   state_.covariance = (0.5 * (state_.covariance + state_.covariance.transpose())).eval();
   updates_ = anew ? 1 : std::min(updates_ + 1, 1000);
   stamp_ = stamp;

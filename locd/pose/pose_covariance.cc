@@ -1,10 +1,10 @@
 #include "locd/pose/pose_covariance.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "core/estimate/corner_residual.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -60,17 +60,17 @@ MotionEvidence motion_evidence(std::span<const SetObservation> observations, con
 
 MotionStep motion_step(const MotionEvidence& evidence, const VelocityPrior& prior) {
   MotionStep step;
-  const Eigen::LDLT<Matrix6d> pose_factor(evidence.of_pose);
-  step.pose_per_velocity = -pose_factor.solve(evidence.of_both);
-  const Eigen::LDLT<Matrix6d> prior_factor(prior.covariance);
-  const Matrix6d known = prior_factor.solve(Matrix6d::Identity()) + evidence.of_velocity +
-                         evidence.of_both * step.pose_per_velocity;
+  const SymmetricFactor<6> pose_factor(evidence.of_pose);
+  step.pose_per_velocity = -pose_factor.solve_columns(evidence.of_both);
+  const SymmetricFactor<6> prior_factor(prior.covariance);
+  const Matrix6d known =
+      prior_factor.inverse() + evidence.of_velocity + evidence.of_both * step.pose_per_velocity;
   const Vector6d pull = evidence.towards_velocity +
                         step.pose_per_velocity.transpose() * evidence.towards_pose +
                         prior_factor.solve(prior.velocity - evidence.velocity);
-  const Eigen::LDLT<Matrix6d> factor(known);
+  const SymmetricFactor<6> factor(known);
   step.velocity = factor.solve(pull);
-  step.velocity_covariance = factor.solve(Matrix6d::Identity());
+  step.velocity_covariance = factor.inverse();
   step.pose = pose_factor.solve(evidence.towards_pose) + step.pose_per_velocity * step.velocity;
   return step;
 }
@@ -99,7 +99,7 @@ Matrix6d PoseCovariance::of(std::span<const SetObservation> observations,
                     }
                     share->matrix += weighted * jacobians.d_marker;
                   });
-  const Matrix6d inverse = evidence.of_pose.ldlt().solve(Matrix6d::Identity());
+  const Matrix6d inverse = SymmetricFactor<6>(evidence.of_pose).inverse();
   Matrix6d covariance = inverse * noise * inverse;
   covariance +=
       step.pose_per_velocity * step.velocity_covariance * step.pose_per_velocity.transpose();

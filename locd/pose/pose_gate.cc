@@ -1,19 +1,19 @@
 #include "locd/pose/pose_gate.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+
+#include "core/geometry/decompositions.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
 
 double largest_sigma(const Eigen::Matrix3d& covariance) {
   if (!covariance.allFinite()) return std::numeric_limits<double>::quiet_NaN();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(covariance, Eigen::EigenvaluesOnly);
-  return std::sqrt(std::max(0.0, eigen.eigenvalues().maxCoeff()));
+  return std::sqrt(std::max(0.0, symmetric_eigenvalues<3>(covariance).maxCoeff()));
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ PoseSigmas worst_sigmas(const Matrix6d& covariance) {
 
 bool agrees(const Vector6d& delta, const Matrix6d& covariance) {
   constexpr double kChi6At999 = 22.46;
-  return delta.dot(covariance.ldlt().solve(delta)) <= kChi6At999;
+  return delta.dot(SymmetricFactor<6>(covariance).solve(delta)) <= kChi6At999;
 }
 
 ReasonBits PoseGate::judge(Stamp stamp, const PoseSolution& solution,

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/estimate/corner_residual.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -70,7 +71,7 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   solution.world_from_rig = pose;
   solution.velocity = believed.velocity;
   solution.velocity_covariance = in_motion ? step.velocity_covariance : velocity.covariance;
-  solution.noise_covariance = solution.motion.of_pose.ldlt().solve(Matrix6d::Identity());
+  solution.noise_covariance = SymmetricFactor<6>(solution.motion.of_pose).inverse();
   solution.covariance = covariance_.of(observations, pose, solution.motion, step, model_sigma_px);
   if (in_motion) whiten(observations, pose, solution.velocity_covariance, model_sigma_px);
   classify(observations, pose);

@@ -1,11 +1,11 @@
 #include "mapbuilder/build/world_frame.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <map>
 
 #include "core/geometry/alignment.h"
+#include "core/geometry/decompositions.h"
 
 namespace waymark {
 namespace {
@@ -95,16 +95,15 @@ std::optional<Rigid3> level_world(const BuiltSubMap& submap, LevelBy by,
   if (normals.size() < 2) return std::nullopt;
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const Eigen::Vector3d& n : normals) scatter += n * n.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter);
+  const SymmetricEigen<3> eigen = symmetric_eigen<3>(scatter);
   // By the floor most normals are one line, up; by walls none has a share of up.
-  Eigen::Vector3d up =
-      by == LevelBy::floor ? eigen.eigenvectors().col(2) : eigen.eigenvectors().col(0);
+  Eigen::Vector3d up = by == LevelBy::floor ? eigen.vectors.col(2) : eigen.vectors.col(0);
   constexpr double kTells = 0.02;  // of all normals' squares: 8° of spread
-  if (by == LevelBy::walls && eigen.eigenvalues()[1] < kTells * eigen.eigenvalues().sum()) {
+  if (by == LevelBy::walls && eigen.values[1] < kTells * eigen.values.sum()) {
     return std::nullopt;
   }
   if (up.dot(camera_up_in_world) < 0) up = -up;
-  return Rigid3{Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()), {0, 0, 0}};
+  return Rigid3{shortest_rotation(up, Eigen::Vector3d::UnitZ()), {0, 0, 0}};
 }
 
 std::optional<FrameComparison> compare_frames(const SubMap& map, const SubMap& old,

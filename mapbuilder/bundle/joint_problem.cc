@@ -1,12 +1,12 @@
 #include "mapbuilder/bundle/joint_problem.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <limits>
 
 #include "core/base/parallel.h"
 #include "core/estimate/corner_residual.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 
@@ -200,11 +200,11 @@ void JointProblem::reduce_frame_set(const JointUnknowns& at, std::size_t set_slo
   rig.gradient = rig_gradient;
   rig.damping = damping * rig_rig.diagonal();
   rig_rig.diagonal() += rig.damping;
-  const Eigen::LDLT<Matrix6d> factor(rig_rig);
+  const SymmetricFactor<6> factor(rig_rig);
   rig.offset = factor.solve(rig_gradient);
   for (std::size_t k = 0; k < set.kept.size(); ++k) {
     Matrix6d& follow = follow_[set.first_kept + k];
-    follow = factor.solve(rig_kept[k]);
+    follow = factor.solve_columns(rig_kept[k]);
     sums.gradient.segment<6>(6L * set.kept[k]).noalias() -= rig_kept[k].transpose() * rig.offset;
     const int* rows = pattern_.rows.data();
     int block = pattern_.first[static_cast<std::size_t>(set.kept[k])];

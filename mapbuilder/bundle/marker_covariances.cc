@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "core/geometry/alignment.h"
+#include "core/geometry/decompositions.h"
 #include "mapbuilder/bundle/block_cholesky.h"
 
 namespace waymark {
@@ -88,7 +89,7 @@ std::vector<Matrix6d> marker_covariances(const MarkerInformation& information) {
   if (count >= 3 && !lie_on_a_line(positions)) {
     for (int i = 0; i < count; ++i) g.middleRows<3>(6 * i + 3).setZero();
   }
-  const Matrix6d gauge = (g.transpose() * n).inverse();
+  const Matrix6d gauge = inverse(g.transpose() * n);
   // S⁻ G, with zero rows for the fixed marker.
   // Calibration has no part in the world's motion.
   Eigen::MatrixXd g_free = Eigen::MatrixXd::Zero(6 * fixed.pattern.columns(), 6);
@@ -105,9 +106,8 @@ std::vector<Matrix6d> marker_covariances(const MarkerInformation& information) {
     const Matrix6d cross = moved * cg.middleRows<6>(6 * i).transpose();
     const Matrix6d full = own - cross - cross.transpose() + moved * gcg * moved.transpose();
     // A difference of large numbers: rounding may leave an eigenvalue a little below zero.
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (full + full.transpose()));
-    const Matrix6d root =
-        eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    const SymmetricEigen<6> eigen = symmetric_eigen<6>(0.5 * (full + full.transpose()));
+    const Matrix6d root = eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
     covariances.emplace_back(root * root.transpose());
   }
   return covariances;

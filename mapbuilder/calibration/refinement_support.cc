@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "core/geometry/decompositions.h"
 
 namespace waymark {
 namespace {
@@ -32,8 +33,8 @@ Matrix6d image_shift(const CameraModel& camera) {
       count += 1;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(sum / std::max(1.0, count));
-  return eigen.operatorSqrt();
+  const SymmetricEigen<6> eigen = symmetric_eigen<6>(sum / std::max(1.0, count));
+  return eigen.vectors * eigen.values.cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
 }
 
 /// The rig file's numbers in units of the limits.
@@ -108,11 +109,11 @@ std::vector<UnsureDirection> unsure_directions(const CalibrationUncertainty& sur
   if (sure.joint.size() == 0) return unsure;
   const auto cameras = static_cast<Eigen::Index>(stated_cameras.size());
   const Eigen::MatrixXd scale = per_limit(stated_cameras, limits);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale * sure.joint *
-                                                             scale.transpose());
+  const SymmetricEigen<Eigen::Dynamic> eigen =
+      symmetric_eigen<Eigen::Dynamic>(scale * sure.joint * scale.transpose());
   for (Eigen::Index i = 0; i < scale.rows(); ++i) {
-    if (eigen.eigenvalues()[i] <= 1.0) continue;
-    const Eigen::VectorXd along = eigen.eigenvectors().col(i);
+    if (eigen.values[i] <= 1.0) continue;
+    const Eigen::VectorXd along = eigen.vectors.col(i);
     const Eigen::VectorXd weights = scale.transpose() * along;
     UnsureDirection direction;
     for (Eigen::Index c = 0; c < cameras; ++c) {
@@ -123,7 +124,7 @@ std::vector<UnsureDirection> unsure_directions(const CalibrationUncertainty& sur
     direction.of_extrinsics = along.head(kExtrinsics * cameras).squaredNorm() > 0.5;
     Eigen::Index most = 0;
     along.cwiseAbs().maxCoeff(&most);
-    direction.in_limits = std::sqrt(eigen.eigenvalues()[i]);
+    direction.in_limits = std::sqrt(eigen.values[i]);
     direction.text = text_of(most, direction.in_limits, stated_cameras, limits);
     unsure.push_back(std::move(direction));
   }

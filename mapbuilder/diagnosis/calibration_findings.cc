@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/geometry/symmetric_factor.h"
 #include "mapbuilder/bundle/direction_hold.h"
 
 namespace waymark {
@@ -116,7 +117,7 @@ bool differ_surely(const CameraModel& stated, const CameraModel& fitted,
   for (Eigen::Index i = 0; i < 8; ++i) {
     if (!(sigma[i] > 0)) correlation(i, i) = 1.0;
   }
-  const double distance2 = off.dot(correlation.ldlt().solve(off));
+  const double distance2 = off.dot(SymmetricFactor<8>(correlation).solve(off));
   // As unlikely as five sigmas of one freedom.
   constexpr double kByChance_8 = 44.0;
   return distance2 > kByChance_8;

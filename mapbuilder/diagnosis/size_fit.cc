@@ -1,12 +1,12 @@
 #include "mapbuilder/diagnosis/size_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "core/base/parallel.h"
 #include "core/estimate/corner_residual.h"
+#include "core/geometry/symmetric_factor.h"
 #include "core/marker/marker_geometry.h"
 #include "mapbuilder/diagnosis/view_placement.h"
 
@@ -136,7 +136,7 @@ std::optional<SizeFit> fit_size(std::span<const MarkerView> views, const Rigid3&
     Matrix7d damped = here.hessian;
     damped.diagonal() *= 1.0 + damping;
     damped.diagonal().array() += 1e-12;
-    const Vector7d step = -damped.ldlt().solve(here.gradient);
+    const Vector7d step = -SymmetricFactor<7>(damped).solve(here.gradient);
     if (!step.allFinite()) return std::nullopt;
     const double promised = -step.dot(here.gradient);
     const Rigid3 pose = fit.world_from_marker.plus(step.head<6>());
@@ -155,7 +155,7 @@ std::optional<SizeFit> fit_size(std::span<const MarkerView> views, const Rigid3&
   fit.cost = here.cost;
   // Misfit beyond noise says that the cameras stand a little wrong; sigma grows by as much.
   const double freedoms = std::max(1.0, 8.0 * static_cast<double>(views.size()) - 7.0);
-  const double variance = here.hessian.ldlt().solve(Matrix7d::Identity())(6, 6);
+  const double variance = SymmetricFactor<7>(here.hessian).inverse()(6, 6);
   if (!(variance > 0)) return std::nullopt;
   fit.sigma = std::sqrt(variance * std::max(1.0, here.cost / freedoms));
   return fit;

@@ -1,18 +1,17 @@
 #include "mapbuilder/report/plan_view.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <vector>
+
+#include "core/geometry/decompositions.h"
 
 namespace waymark {
 namespace {
 
 /// Cameras that look all ways say nothing about up below this mean length.
 constexpr double kTellingCameraUp = 0.3;
-
-using Directions = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>;
 
 std::vector<Eigen::Vector3d> normals_of(const SubMap& submap) {
   std::vector<Eigen::Vector3d> normals;
@@ -38,7 +37,7 @@ Eigen::Vector3d refine_up(const std::vector<Eigen::Vector3d>& normals,
       if (upward < kWall) scatter += normal * normal.transpose();
       if (upward > kFloor) scatter -= normal * normal.transpose();
     }
-    const Eigen::Vector3d better = Directions(scatter).eigenvectors().col(0);
+    const Eigen::Vector3d better = symmetric_eigen<3>(scatter).vectors.col(0);
     up = better.dot(up) < 0 ? Eigen::Vector3d(-better) : better;
   }
   return up;
@@ -54,9 +53,9 @@ Eigen::Vector3d find_up_by_normals(const std::vector<Eigen::Vector3d>& normals) 
     scatter += normal * normal.transpose();
     sum += normal;
   }
-  const Directions directions(scatter);
-  const bool floor = directions.eigenvalues()[2] > kOneAxis * scatter.trace();
-  const Eigen::Vector3d up = refine_up(normals, directions.eigenvectors().col(floor ? 2 : 0));
+  const SymmetricEigen<3> directions = symmetric_eigen<3>(scatter);
+  const bool floor = directions.values[2] > kOneAxis * scatter.trace();
+  const Eigen::Vector3d up = refine_up(normals, directions.vectors.col(floor ? 2 : 0));
   return sum.dot(up) < 0 ? Eigen::Vector3d(-up) : up;
 }
 
@@ -99,8 +98,8 @@ PlanView plan_view(const SubMap& submap, const Eigen::Vector3d& camera_up_in_wor
   view.z_is_up = submap.z_is_up;
   if (view.z_is_up || submap.markers.empty()) return view;
   std::vector<Eigen::Vector3d> normals = normals_of(submap);
-  view.plan_from_world = Eigen::Quaterniond::FromTwoVectors(find_up(normals, camera_up_in_world),
-                                                            Eigen::Vector3d::UnitZ());
+  view.plan_from_world =
+      shortest_rotation(find_up(normals, camera_up_in_world), Eigen::Vector3d::UnitZ());
   for (Eigen::Vector3d& normal : normals) normal = view.plan_from_world * normal;
   view.plan_from_world = turned_about_z(-wall_angle_rad(normals), view.plan_from_world);
   const Eigen::Vector3d extent = extent_m(submap, view.plan_from_world);

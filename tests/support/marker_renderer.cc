@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/base/check.h"
+#include "core/geometry/decompositions.h"
 #include "core/marker/marker_bits.h"
 #include "tests/support/coverage_grid.h"
 
@@ -148,7 +149,7 @@ Rigid3 pose_seen_as(const CameraModel& camera, const MarkerView& view, double si
   RenderedMarker marker;
   marker.size_m = size_m;
   marker.cam_from_marker.rotation =
-      (Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), *bearing) *
+      (shortest_rotation(Vector3d::UnitZ(), *bearing) *
        AngleAxisd(view.azimuth_rad, Vector3d::UnitZ()) *
        AngleAxisd(view.tilt_rad, Vector3d::UnitX()) *
        AngleAxisd(view.roll_rad - view.azimuth_rad, Vector3d::UnitZ()) * facing)

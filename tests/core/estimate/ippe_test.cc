@@ -5,6 +5,8 @@
 #include <opencv2/calib3d.hpp>
 #include <random>
 
+#include "core/geometry/decompositions.h"
+
 namespace waymark {
 namespace {
 
@@ -32,7 +34,7 @@ Rigid3 facing(const Eigen::Vector3d& direction, double distance_m, double tilt_r
               std::mt19937& random) {
   std::uniform_real_distribution<double> unit(-1, 1);
   const Eigen::Quaterniond towards =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), -direction.normalized());
+      shortest_rotation(Eigen::Vector3d::UnitZ(), -direction.normalized());
   const Eigen::Vector3d axis(unit(random), unit(random), 0);
   const Eigen::Quaterniond tilt = so3_exp(tilt_rad * axis.normalized());
   const Eigen::Quaterniond roll = so3_exp({0, 0, 3 * unit(random)});

@@ -4,6 +4,8 @@
 
 #include <numbers>
 
+#include "core/geometry/decompositions.h"
+
 namespace waymark {
 namespace {
 
@@ -13,7 +15,7 @@ using Eigen::Vector3d;
 MapMarker marker(const Vector3d& position, const Vector3d& normal) {
   MapMarker m;
   m.size_m = 0.2;
-  m.world_from_marker = {Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), normal), position};
+  m.world_from_marker = {shortest_rotation(Vector3d::UnitZ(), normal), position};
   return m;
 }
 
