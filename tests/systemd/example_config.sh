@@ -8,6 +8,7 @@ export RUNTIME_DIRECTORY=$work STATE_DIRECTORY=$work
 
 "$4" detections --scene room1 --rig cg120 --noise-px 0.1 -o "$work/capture" 2>/dev/null >/dev/null
 "$3" build "$work/capture" -o "$work/hall.map" 2>/dev/null >/dev/null
+(umask 077; printf '%064d\n' 0 >"$work/pose.key")
 cp "$work"/capture/{rig.yaml,markers.toml} "$work"
 # The example shows one camera; the rig has three.
 {

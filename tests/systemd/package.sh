@@ -12,7 +12,8 @@ done
 package=$(echo waymark-locd_*.deb)
 dpkg-deb --fsys-tarfile "$package" | tar -t >files
 dpkg-deb -e "$package" control
-for file in ./usr/bin/locd ./usr/lib/systemd/system/locd.service ./usr/lib/udev/rules.d/61-waymark-cameras.rules \
+for file in ./usr/bin/locd ./usr/lib/systemd/system/locd.service \
+  ./usr/lib/systemd/system/locd-again.timer ./usr/share/doc/waymark-locd/security.md ./usr/lib/udev/rules.d/61-waymark-cameras.rules \
   ./usr/lib/sysusers.d/waymark.conf ./usr/lib/tmpfiles.d/waymark.conf ./usr/lib/sysctl.d/60-waymark.conf \
   ./etc/locd/locd.toml ./usr/share/waymark-locd/realtime.conf \
   ./usr/share/doc/waymark-locd/operations.md; do
@@ -20,6 +21,20 @@ for file in ./usr/bin/locd ./usr/lib/systemd/system/locd.service ./usr/lib/udev/
 done
 [ "$(cat control/conffiles)" = /etc/locd/locd.toml ]
 for script in postinst prerm postrm; do sh -n "control/$script"; done
+# What libcamera alone needs comes with it: locd's own package opens no memory to anybody.
+! grep -rl dma_heap control || exit 1
+dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/lib/udev/rules.d/61-waymark-cameras.rules \
+  ./usr/lib/systemd/system/locd.service >locd_has
+! grep dma_heap locd_has || exit 1
+for libcamera in waymark-libcamera_*.deb; do
+  dpkg-deb --fsys-tarfile "$libcamera" | tar -t >libcamera_files
+  for file in ./usr/lib/udev/rules.d/62-waymark-libcamera.rules ./usr/lib/sysusers.d/waymark-libcamera.conf \
+    ./usr/lib/systemd/system/locd.service.d/libcamera.conf; do
+    grep -qxF "$file" libcamera_files || { echo "$libcamera lacks $file"; exit 1; }
+  done
+done
+# Buffers of the whole machine's sockets stay as they are.
+[ "$(dpkg-deb --fsys-tarfile "$package" | tar -xO ./usr/lib/sysctl.d/60-waymark.conf | grep -c '^net')" -eq 1 ]
 # Installing enables and starts nothing; only a removal that failed starts again what it has stopped.
 ! sed '/^abort-remove)/,/;;/d' control/postinst | grep -E 'systemctl (enable|start|restart)' || exit 1
 ! grep '/multi-user.target.wants/' files || exit 1
