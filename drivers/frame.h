@@ -13,7 +13,8 @@ namespace waymark {
 enum class StampQuality : std::uint8_t {
   exact,        ///< mid-exposure by the device's own clock
   approximate,  ///< by the device's clock, but where in the exposure it was taken is not known: the
-                ///< exposure is automatic, or the driver does not say
+                ///< exposure is automatic or another program changed it, or the driver
+                ///< does not say
   arrival,      ///< when the frame arrived, for the device's stamps can't be believed: UNSYNCED
   replayed,     ///< as written in a capture
 };

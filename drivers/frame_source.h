@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/error.h"
@@ -26,9 +27,9 @@ class FrameSource {
   [[nodiscard]] virtual const std::string& name() const = 0;
 
   /// Opens the device and lets it run; a second call opens it anew. Errors say what to do:
-  /// unavailable (absent, busy: by whom), permission (which group), io (it may work next time),
-  /// config (nothing but another configuration helps: a format that it can't deliver, another
-  /// serial number, two that can't be told apart).
+  /// unavailable (absent, twofold, busy: by whom), permission (which group), io (it may work next
+  /// time), config (nothing but another configuration helps: a format that it can't deliver,
+  /// another serial number).
   [[nodiscard]] virtual Status start() = 0;
 
   /// The next frame; nullopt when none came until `deadline` (CLOCK_MONOTONIC), after stop, or when
@@ -56,6 +57,10 @@ class FrameSource {
   /// Frames that nobody got, ever: gaps in the device's count, and those for which every buffer
   /// that may be lent was.
   [[nodiscard]] virtual std::uint64_t lost() const { return 0; }
+
+  /// What another program has changed of how the device takes its images, until that is found to be
+  /// mended; empty: nothing. Told by the thread that calls next.
+  [[nodiscard]] virtual std::string_view changed_settings() const { return {}; }
 
   /// What the device is and can do. Errors: unavailable when it is absent, permission.
   [[nodiscard]] virtual Expected<DeviceReport> inspect() = 0;

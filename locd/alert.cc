@@ -9,9 +9,9 @@
 namespace waymark {
 namespace {
 
-constexpr std::array<std::string_view, 11> kNames = {"MOVED",     "UNKNOWN",  "FROZEN",     "DARK",
-                                                     "SATURATED", "OBSCURED", "EXTRINSICS", "SWAP",
-                                                     "MISSING",   "UNSYNCED", "SKEW"};
+constexpr std::array<std::string_view, 12> kNames = {
+    "MOVED",      "UNKNOWN", "FROZEN",  "DARK",     "SATURATED", "OBSCURED",
+    "EXTRINSICS", "SWAP",    "MISSING", "UNSYNCED", "SKEW",      "SETTINGS"};
 
 std::string camera_name(const Rig& rig, int camera) {
   if (camera < 0 || static_cast<std::size_t>(camera) >= rig.cameras.size()) return "the rig";
@@ -63,6 +63,12 @@ std::string describe(const Alert& alert, const Rig& rig, bool several_families) 
       return line(fmt::format("{}'s stamps can't be believed; arrival times are used", camera));
     case AlertKind::stamps_skewed:
       return line("the cameras do not expose together; check the trigger");
+    case AlertKind::settings_changed:
+      return line(
+          fmt::format("another program changes settings of {}; they are set again, stamps are "
+                      "approximate until "
+                      "then; end that program (fuser -v /dev/video*)",
+                      camera));
   }
   return line("");
 }

@@ -14,17 +14,18 @@ namespace waymark {
 
 /// What is wrong for longer than a frame set. Numbers are those of alert_t: only append.
 enum class AlertKind : std::int8_t {
-  marker_moved = 0,     ///< MOVED: a mapped marker hangs elsewhere; quarantined
-  marker_unknown = 1,   ///< UNKNOWN: a marker hangs there that the map does not hold
-  image_frozen = 2,     ///< FROZEN: the camera repeats one image
-  image_dark = 3,       ///< DARK
-  image_saturated = 4,  ///< SATURATED
-  image_obscured = 5,   ///< OBSCURED: nothing but a blur before the lens
-  extrinsics_off = 6,   ///< EXTRINSICS: a camera does not stand where the rig file says
-  cameras_swapped = 7,  ///< SWAP: two cameras are in each other's place
-  camera_missing = 8,   ///< MISSING: a camera delivers nothing
-  stamps_unsynced = 9,  ///< UNSYNCED: a camera's stamps can't be believed; arrival is used
-  stamps_skewed = 10,   ///< SKEW: a triggered rig's cameras do not expose together
+  marker_moved = 0,       ///< MOVED: a mapped marker hangs elsewhere; quarantined
+  marker_unknown = 1,     ///< UNKNOWN: a marker hangs there that the map does not hold
+  image_frozen = 2,       ///< FROZEN: the camera repeats one image
+  image_dark = 3,         ///< DARK
+  image_saturated = 4,    ///< SATURATED
+  image_obscured = 5,     ///< OBSCURED: nothing but a blur before the lens
+  extrinsics_off = 6,     ///< EXTRINSICS: a camera does not stand where the rig file says
+  cameras_swapped = 7,    ///< SWAP: two cameras are in each other's place
+  camera_missing = 8,     ///< MISSING: a camera delivers nothing
+  stamps_unsynced = 9,    ///< UNSYNCED: a camera's stamps can't be believed; arrival is used
+  stamps_skewed = 10,     ///< SKEW: a triggered rig's cameras do not expose together
+  settings_changed = 11,  ///< SETTINGS: another program sets exposure, gain or focus of a camera
 };
 
 /// "MOVED", "FROZEN", …

@@ -1,5 +1,6 @@
 #include "drivers/v4l2/camera_controls.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 
@@ -63,6 +64,7 @@ class ControlPanel {
     if (failed != 0 && !refused) return cannot("set a control", failed);
     const auto now = read(id);
     if (!now) return tl::make_unexpected(now.error());
+    if (*now == value) hold(id, value);
     return *now == value;
   }
 
@@ -88,7 +90,10 @@ class ControlPanel {
     if (!read_back) return tl::make_unexpected(read_back.error());
     const std::optional<int>& now = *read_back;
     if (!now) return fail(ErrorKind::io, "{}: {} can't be read back", node_.path(), key);
-    if (inside && std::abs(*now - target) <= range->step) return *now * unit;
+    if (inside && std::abs(*now - target) <= range->step) {
+      hold(range->id, *now);
+      return *now * unit;
+    }
     return fail(ErrorKind::config,
                 "{}: {} = {} can't be set, the device has {}; it takes {} to {} in steps of {}",
                 node_.path(), key, value, *now * unit, range->low * unit, range->high * unit,
@@ -108,12 +113,25 @@ class ControlPanel {
     return false;
   }
 
+  /// It is to stay at this value.
+  void hold(std::uint32_t id, int value) {
+    const auto known = std::find_if(held_.begin(), held_.end(),
+                                    [&](const HeldControl& held) { return held.id == id; });
+    if (known == held_.end()) {
+      held_.push_back({id, value});
+    } else {
+      known->value = value;
+    }
+  }
+  [[nodiscard]] const std::vector<HeldControl>& held() const { return held_; }
+
  private:
   [[nodiscard]] tl::unexpected<Error> cannot(std::string_view what, int failed) const {
     return tl::make_unexpected(node_error(node_, fmt::format("can't {}", what), failed));
   }
 
   VideoNode& node_;
+  std::vector<HeldControl> held_;
 };
 
 /// Runs the steps until one fails.
@@ -127,6 +145,7 @@ class Applying {
                       &Applying::focus, &Applying::power_line}) {
       if (auto done = (this->*step)(); !done) return tl::make_unexpected(done.error());
     }
+    applied_.held = panel_.held();
     return applied_;
   }
 
@@ -177,6 +196,8 @@ class Applying {
                   node_.path(), *wanted_.exposure_us, now_us);
     }
     applied_.exposure = from_us(now_us);
+    if (*mode) panel_.hold(V4L2_CID_EXPOSURE_AUTO, **mode);
+    panel_.hold(V4L2_CID_EXPOSURE_ABSOLUTE, **now);
     return {};
   }
 

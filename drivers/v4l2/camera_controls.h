@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drivers/camera_controls.h"
+#include "drivers/v4l2/control_watch.h"
 #include "drivers/v4l2/video_node.h"
 
 namespace waymark {
@@ -13,6 +14,7 @@ namespace waymark {
 struct AppliedControls {
   Stamp exposure{0};  ///< length; 0: not known, because automatic or not told
   std::optional<double> gain;
+  std::vector<HeldControl> held;   ///< in the order in which they are to be set
   std::vector<std::string> notes;  ///< what could not be switched off, one line each
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "core/base/one_line.h"
 #include "drivers/v4l2/capture_capability.h"
 
 namespace waymark {
@@ -55,8 +56,13 @@ std::string not_permitted(const std::string& node) {
 
 std::string name_of(const VideoDevice& device) {
   if (!device.permitted) return device.node;
-  return fmt::format("{} ({}, {}{}{})", device.node, device.card, device.bus,
-                     device.serial.empty() ? "" : ", serial ", device.serial);
+  return in_one_line(fmt::format("{} ({}, {}{}{})", device.node, device.card, device.bus,
+                                 device.serial.empty() ? "" : ", serial ", device.serial));
+}
+
+bool is_plain(std::string_view name) {
+  return std::all_of(name.begin(), name.end(),
+                     [](char c) { return c >= ' ' && c <= '~' && c != '\'' && c != '"'; });
 }
 
 std::vector<VideoDevice> find_cameras(VideoSystem& system, const DeviceIdentity& wanted) {
@@ -91,6 +97,10 @@ std::string DeviceIdentity::text() const {
 
 Expected<DeviceIdentity> parse_device_identity(std::string_view text) {
   DeviceIdentity identity;
+  if (!is_plain(text)) {
+    return fail(ErrorKind::config,
+                "\"{}\" has letters outside ASCII, or quotes; name the camera by \"bus=…\"", text);
+  }
   if (is_number(text)) {
     return fail(ErrorKind::config,
                 "\"{}\" is a number, which changes when cameras are replugged; {}", text, kForms);
@@ -138,8 +148,11 @@ Expected<VideoDevice> find_device(const DeviceIdentity& identity,
                 "{}: no such camera is plugged in; locd --list-cameras names those that are",
                 identity.text());
   }
-  return fail(ErrorKind::config,
-              "{}: {} can't be told apart by it; use a link below /dev/v4l, or bus=…",
+  // Which of them was meant, another configuration tells, but also unplugging one: a twin that
+  // comes makes a missing camera, no wrong configuration.
+  return fail(ErrorKind::unavailable,
+              "{}: {} can't be told apart by it; unplug all but one, or use bus=… or a link below "
+              "/dev/v4l/by-path",
               identity.text(), names_of(fitting));
 }
 
@@ -158,7 +171,8 @@ std::string identity_among(const VideoDevice& device, const std::vector<VideoDev
   if (!device.bus.empty()) candidates.push_back({"", "", device.bus});
   for (const std::string& link : device.links) candidates.push_back({link, "", ""});
   for (const DeviceIdentity& candidate : candidates) {
-    // A serial number with a blank can't be written as one word.
+    // A serial number with a blank can't be written as one word; one with a line's end would begin
+    // another key where it is pasted.
     if (!parse_device_identity(candidate.text())) continue;
     const auto found = find_device(candidate, devices);
     if (found && found->node == device.node) return candidate.text();

@@ -52,11 +52,14 @@ class V4l2Source final : public FrameSource {
     frames_.end();
     stream_.reset();
     node_.reset();
+    watch_ = {};
   }
 
   [[nodiscard]] Stamp last_turn() const override { return turns_.last(); }
   [[nodiscard]] std::uint64_t damaged() const override { return frames_.damaged(); }
   [[nodiscard]] std::uint64_t lost() const override { return frames_.lost(); }
+
+  [[nodiscard]] std::string_view changed_settings() const override { return watch_.changed(); }
 
   [[nodiscard]] Expected<DeviceReport> inspect() override {
     const auto device = find_device(options_.device, find_cameras(*system_, options_.device));
@@ -90,6 +93,10 @@ class V4l2Source final : public FrameSource {
     auto opened = system_->open(device->node);
     if (!opened) return tl::make_unexpected(opened.error());
     node_ = std::move(*opened);
+    // While it is ours nobody else sets anything, unless with the same priority, or where a driver
+    // knows none: for these there is the watch.
+    __u32 priority = V4L2_PRIORITY_RECORD;
+    (void)node_->request(VIDIOC_S_PRIORITY, &priority);
     return {};
   }
 
@@ -100,6 +107,7 @@ class V4l2Source final : public FrameSource {
     auto applied = apply_controls(*node_, options_.controls);
     if (!applied) return tl::make_unexpected(applied.error());
     controls_ = std::move(*applied);
+    watch_.begin(controls_.held, system_->now());
     return {};
   }
 
@@ -115,6 +123,7 @@ class V4l2Source final : public FrameSource {
   [[nodiscard]] Expected<std::optional<Frame>> next_of_stream(Stamp deadline) {
     for (bool promised = false;;) {
       if (auto given = give_returned(); !given) return tl::make_unexpected(given.error());
+      watch_.look(*node_, system_->now());
       const auto filled = stream_->take();
       if (!filled) return tl::make_unexpected(filled.error());
       if (*filled) {
@@ -168,7 +177,7 @@ class V4l2Source final : public FrameSource {
         mid_exposure(meaning_, filled.stamp, {controls_.exposure, options_.readout});
     FrameInfo info;
     info.stamp = mid.stamp;
-    info.quality = mid.quality;
+    info.quality = watch_.changed().empty() ? mid.quality : StampQuality::approximate;
     info.arrival = system_->now();
     info.sequence = frames_.count(filled.sequence);
     info.exposure = controls_.exposure;
@@ -191,6 +200,7 @@ class V4l2Source final : public FrameSource {
   std::unique_ptr<VideoNode> node_;
   CaptureFormat format_;
   AppliedControls controls_;
+  ControlWatch watch_;
   std::unique_ptr<BufferStream> stream_;  ///< of node_: ends before it does
   StallWatch stall_;
   StampMeaning meaning_ = StampMeaning::unknown;

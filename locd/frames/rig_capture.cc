@@ -83,6 +83,8 @@ void RigCapture::run(std::size_t index, bool realtime) {
       running = note([&](CameraState& state) {
         state.damaged = camera.source->damaged();
         state.lost = camera.source->lost();
+        const std::string_view changed = camera.source->changed_settings();
+        if (state.changed_settings != changed) state.changed_settings = changed;
         if (tells) {
           state.description = camera.source->describe();
           state.error.clear();

@@ -50,9 +50,10 @@ class RigCapture {
     std::uint64_t starts = 0;
     bool unsynced = false;  ///< its stamps can't be believed; arrival times are used
     DropCounts dropped{};
-    std::string description;     ///< what runs since its last start, once it gave a frame
-    std::string error;           ///< of what failed last, until a frame comes; empty: none
-    bool misconfigured = false;  ///< it failed last for what only another configuration mends
+    std::string description;       ///< what runs since its last start, once it gave a frame
+    std::string changed_settings;  ///< by another program, until mended; empty: none
+    std::string error;             ///< of what failed last, until a frame comes; empty: none
+    bool misconfigured = false;    ///< it failed last for what only another configuration mends
   };
   [[nodiscard]] CameraState state(std::size_t camera) const;
   [[nodiscard]] CameraMask quorum() const;

@@ -82,12 +82,39 @@ TEST(MayBe, OnlyTheOpenedDeviceTellsABusThatIsNotUsb) {
   EXPECT_FALSE(may_be({"", "", "usb-1"}, not_usb));
 }
 
-TEST(FindDevice, TwoThatCantBeToldApartAreRefused) {
+TEST(FindDevice, ATwinMakesAMissingCameraNoWrongConfiguration) {
   for (const char* text : {"serial=twin", "/dev/v4l/by-id/usb-twin", "bus=platform:vivid-000"}) {
     const auto device = find_device(*parse_device_identity(text), kDevices);
     ASSERT_FALSE(device) << text;
-    EXPECT_EQ(device.error().kind, ErrorKind::config);
+    EXPECT_EQ(device.error().kind, ErrorKind::unavailable) << "unplugging one mends it";
     EXPECT_THAT(device.error().message, HasSubstr("can't be told apart"));
+    EXPECT_THAT(device.error().message, HasSubstr("unplug all but one"));
+  }
+}
+
+/// What a device may say of itself, to be pasted into locd.toml or shown in a terminal.
+const std::vector<std::string> kHostile{"X'\n[lcm]\nurl=\"udpm://239.1.1.1:7667?ttl=255\"\n#",
+                                        "X\"",
+                                        "X'",
+                                        "X\x1b[2J",
+                                        "X\r",
+                                        std::string("X\0Y", 3),
+                                        "X\x7f",
+                                        "X\xc2\x9b"
+                                        "2J",
+                                        "X\xff",
+                                        "Größe"};
+
+TEST(IdentityAmong, WhatCantBePastedIsNoIdentity) {
+  for (const std::string& name : kHostile) {
+    const VideoDevice device{"/dev/video0", {"/dev/v4l/by-id/" + name}, "usb-1", name, name};
+    EXPECT_EQ(identity_among(device, {device}), "bus=usb-1") << name;
+    EXPECT_FALSE(parse_device_identity("serial=" + name)) << name;
+    EXPECT_FALSE(parse_device_identity("/dev/v4l/by-id/" + name)) << name;
+    VideoDevice nameless = device;
+    nameless.bus = name;
+    EXPECT_EQ(identity_among(nameless, {nameless}), "") << name;
+    for (const char c : name_of(device)) EXPECT_TRUE(c < 0 || (c >= ' ' && c != 0x7f)) << name;
   }
 }
 

@@ -66,6 +66,7 @@ struct FakeDevice {
   int opened = 0;  ///< nodes open now
   int opens = 0;   ///< ever
   int starts = 0;
+  __u32 priority = V4L2_PRIORITY_UNSET;
   std::vector<std::pair<std::uint32_t, int>> written;  ///< controls, in order
 };
 
@@ -119,6 +120,9 @@ class FakeVideoNode final : public VideoNode {
       case VIDIOC_G_PARM:
       case VIDIOC_S_PARM:
         return rate(*static_cast<v4l2_streamparm*>(argument), code == VIDIOC_S_PARM);
+      case VIDIOC_S_PRIORITY:
+        device_.priority = *static_cast<__u32*>(argument);
+        return 0;
       case VIDIOC_QUERYCTRL:
         return query_control(*static_cast<v4l2_queryctrl*>(argument));
       case VIDIOC_G_CTRL:

@@ -14,6 +14,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using test::FakeControl;
 using test::FakeDevice;
 using test::FakeFrame;
 using testing::HasSubstr;
@@ -356,6 +357,30 @@ TEST_F(V4l2SourceTest, AStartOfManySlowCallsTurnsOneThatIsStuckDoesNot) {
     camera().during_request = nullptr;
   };
   EXPECT_TRUE(source().start());
+}
+
+TEST_F(V4l2SourceTest, NobodyElseSetsAnythingWhereTheDriverKnowsPriorities) {
+  ASSERT_TRUE(source().start());
+  EXPECT_EQ(camera().priority, V4L2_PRIORITY_RECORD);
+  camera().failures[VIDIOC_S_PRIORITY] = ENOTTY;
+  EXPECT_TRUE(source().start()) << "the watch does without";
+}
+
+TEST_F(V4l2SourceTest, WhatAnotherProgramChangesIsToldSetAgainAndMakesStampsApproximate) {
+  camera().controls[V4L2_CID_EXPOSURE_AUTO] = {0, 3, 1, 3};
+  FakeControl& exposure = camera().controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {1, 5000, 1, 100};
+  options_.controls.exposure_us = 2000;
+  ASSERT_TRUE(source().start());
+  EXPECT_EQ(taken(grey(0)).info().quality, StampQuality::exact);
+  exposure.value = 300;
+  system_->time += seconds(1);
+  EXPECT_EQ(taken(grey(1)).info().quality, StampQuality::approximate);
+  EXPECT_THAT(std::string(source().changed_settings()),
+              HasSubstr("exposure was set from 20 to 300 by another program"));
+  EXPECT_EQ(exposure.value, 20);
+  system_->time += seconds(1);
+  EXPECT_EQ(taken(grey(2)).info().quality, StampQuality::exact);
+  EXPECT_EQ(source().changed_settings(), "");
 }
 
 TEST_F(V4l2SourceTest, WithoutStartThereAreNoFrames) {
