@@ -46,7 +46,7 @@ class Locd:
 
     def configure(self, driver="v4l2", devices=("serial=WM-0", "serial=WM-1", "serial=WM-2"), map_file="room.map",
                   startup_wait_s=60, gain=40, fps="fps = 1\n", realtime=False, lock_memory=False,
-                  min_free_bytes=0, max_bytes=1e9):
+                  min_free_bytes=0, max_bytes=1e9, url=URL):
         """Writes /etc/locd; takes effect with the next restart or reload. devices: in the rig's order."""
         etc = self.share / "etc"
         etc.mkdir(exist_ok=True)
@@ -55,7 +55,7 @@ class Locd:
         cameras = "".join(CAMERA.format(number=i, driver=driver, device=device, gain=gain, fps=fps)
                           for i, device in enumerate(devices))
         (etc / "locd.toml").write_text(
-            CONFIG.format(map=map_file, cameras=cameras, url=URL, startup_wait_s=startup_wait_s,
+            CONFIG.format(map=map_file, cameras=cameras, url=url, startup_wait_s=startup_wait_s,
                           realtime=str(realtime).lower(), lock_memory=str(lock_memory).lower(),
                           min_free_bytes=min_free_bytes, max_bytes=max_bytes),
             encoding="utf-8")

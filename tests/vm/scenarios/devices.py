@@ -248,3 +248,20 @@ def blocking_device(world):
 
 # FAULTS.
 STOP_S = 1.0
+
+
+def settings_of_others(world):
+    """Another program can't set a camera that is locd's; one that claims as much priority is found out, what it set is
+    set again, and both are said."""
+    world.localize()
+    set_gain = "v4l2-ctl -d /dev/waymark/WM-0 {} --set-ctrl=gain=100 2>&1"
+    said = world.guest.run(set_gain.format(""))[1]
+    assert "busy" in said, said
+    assert_set(world.cameras[0])
+    world.hearing.mark()
+    world.guest.check(set_gain.format("--set-priority=3"))
+    world.hearing.wait_for("alert that names the camera", "ALERT",
+                           lambda m: m["raised"] and m["kind"] == "SETTINGS" and m["subject"] == "cam0")
+    world.hearing.wait_for("its end", "ALERT", lambda m: not m["raised"] and m["kind"] == "SETTINGS")
+    assert_set(world.cameras[0])
+    assert world.locd.has_said("gain was set from 40 to 100 by another program")

@@ -1,8 +1,10 @@
 """From the cameras' pixels to poses, recordings and back."""
 
+import contextlib
 import shutil
 
 from cameras import COUNT
+from service import URL
 from world import pose_distance, read_tum
 
 
@@ -22,7 +24,7 @@ def no_route_at_boot(world):
     # All that a boot does with an enabled unit; there is one in disks.power_back.
     world.guest.check("systemctl enable --quiet locd && systemctl start --no-block multi-user.target")
     world.wait_until("it is started", lambda: world.locd.show("ActiveState") == "active")
-    world.wait_until("the log says why nothing is heard", lambda: world.locd.has_said("route for multicast"))
+    world.wait_until("the log says why nothing is heard", lambda: world.locd.has_said("there is no route to"))
     world.listen()
     world.hearing.wait_for("status", "STATUS", lambda m: m["publish_failures"] > 0, timeout_s=30)
     world.wait_for_full_pose()
@@ -40,6 +42,43 @@ def route_lost(world):
     world.hearing.mark()
     world.hearing.wait_for("status", "STATUS", lambda m: m["publish_failures"] > failures)
     assert world.wait_for_full_pose()["session"] == session
+
+
+@contextlib.contextmanager
+def small_send_buffers(world):
+    """Sockets made meanwhile are full after a few packets, not after half a minute of this machine's."""
+    was = world.guest.check("sysctl -n net.core.wmem_default")
+    world.guest.check("sysctl -qw net.core.wmem_default=9216")
+    try:
+        yield
+    finally:
+        world.guest.check(f"sysctl -qw net.core.wmem_default={was}")
+
+
+STALL = "tc qdisc add dev dummy0 root tbf rate 1kbit burst 2000 limit 10mb"
+
+
+def stalled_network(world):
+    """The interface takes no packets: messages are lost, counted and said; requests are answered, the watchdog is fed;
+    then they leave again, and it is said how many did not."""
+    world.prepare()
+    world.locd.stop()
+    world.locd.configure(url=URL.replace("ttl=0", "ttl=1"))
+    try:
+        with small_send_buffers(world):
+            world.locd.start()
+        session = world.wait_for_full_pose()["session"]
+        restarts = world.locd.show("NRestarts")
+        world.guest.check(f"modprobe sch_tbf && {STALL}")
+        world.wait_until("systemd's STATUS says it", lambda: "LCM takes no messages" in world.locd.show("StatusText"))
+        assert world.locd.has_said("the network takes no packets")
+        assert world.locd.request("status").startswith("ok")
+        world.guest.check("tc qdisc del dev dummy0 root")
+        world.wait_until("that it is over is said", lambda: world.locd.has_said("LINK is over"))
+        assert world.wait_for_full_pose()["session"] == session and world.locd.show("NRestarts") == restarts
+    finally:
+        world.guest.run("tc qdisc del dev dummy0 root")
+        world.locd.stop()
 
 
 def three_cameras(world):

@@ -166,6 +166,28 @@ def suspend_and_resume(world):
         world.locd.stop()
 
 
+def tried_again(world):
+    """A start while the map is still being copied fails with 65, visibly, and goes well by itself once it is whole; whom
+    somebody ends comes back; whom systemctl stops stays away."""
+    world.prepare()
+    world.locd.stop()
+    world.locd.configure()
+    world.guest.check("head -c 3000 /share/etc/room.map >/etc/locd/room.map")
+    assert world.guest.run("systemctl reset-failed locd; systemctl start locd", timeout_s=120)[0] != 0
+    assert world.locd.show("ActiveState") == "failed" and world.locd.show("ExecMainStatus") == "65"
+    # Whoever stops it ends the tries as well.
+    assert world.guest.check("systemctl is-active locd-again.timer") == "active"
+    world.locd.stop()
+    assert world.guest.run("systemctl is-active locd-again.timer")[1] == "inactive"
+    world.guest.run("systemctl start locd", timeout_s=120)
+    world.guest.check("cp /share/etc/room.map /etc/locd/room.map")
+    session = world.wait_for_full_pose()["session"]
+    world.guest.check(f"kill -TERM {world.locd.pid()}")
+    world.hearing.mark()
+    world.hearing.wait_for("pose of another session", "POSE",
+                           lambda m: m["session"] != session and m["cameras_used"] == 3, timeout_s=90)
+
+
 def second_instance(world):
     """Refused with 69, naming the first's process."""
     world.localize()
