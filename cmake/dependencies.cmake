@@ -10,6 +10,7 @@ find_path(LCM_CORETYPES_DIR lcm/lcm_coretypes.h REQUIRED)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 # glib asks for -pthread, which would make another compilation than that of the precompiled headers; glibc needs it no more.
 set_property(TARGET PkgConfig::LCM PROPERTY INTERFACE_COMPILE_OPTIONS "")
+pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
 find_package(spdlog REQUIRED)
 # Only the video importer links FFmpeg's: each start of a program that does costs 70 MB and 0.1–0.2 s.

@@ -66,6 +66,7 @@ std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::Cam
     const bool may_still_come = states[c].frames == 0 && now - *first_look_ < grace;
     tell(AlertKind::camera_missing, cameras_[c].missing, !cameras_[c].running && !may_still_come);
     tell(AlertKind::stamps_unsynced, cameras_[c].unsynced, states[c].unsynced);
+    tell(AlertKind::settings_changed, cameras_[c].settings, !states[c].changed_settings.empty());
   }
   return alerts;
 }
@@ -81,6 +82,7 @@ std::vector<std::string> StatusReport::camera_news(
     };
     tell(cameras_[c].description, states[c].description);
     tell(cameras_[c].error, states[c].error);
+    tell(cameras_[c].changed_settings, states[c].changed_settings);
   }
   return lines;
 }

@@ -22,8 +22,9 @@ class StatusReport {
   void judge(const std::vector<RigCapture::CameraState>& states, Stamp now);
   [[nodiscard]] bool all_run() const;
 
-  /// Raised or over: a camera whose stamps can't be believed; one that delivers nothing for a
-  /// second. A camera that never delivered is missing from `grace` after the first look on.
+  /// Raised or over: a camera whose stamps can't be believed; one whose settings another program
+  /// changes; one that delivers nothing for a second. A camera that never delivered is missing from
+  /// `grace` after the first look on.
   [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
                                                  Stamp now, Stamp grace);
 
@@ -48,9 +49,11 @@ class StatusReport {
     std::string name;
     std::string description;
     std::string error;
+    std::string changed_settings;
     bool running = false;
     bool missing = false;
     bool unsynced = false;
+    bool settings = false;  ///< changed by another program
     std::uint64_t frames_judged = 0;
     Stamp last_frame{0};
     Stamp period = std::chrono::seconds(1);  ///< between frames; until two came, a slow guess

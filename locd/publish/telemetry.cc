@@ -2,20 +2,33 @@
 
 #include <algorithm>
 
-namespace waymark {
+#include "core/base/check.h"
 
-Telemetry::Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now)
+namespace waymark {
+namespace {
+
+/// Of a pose of sixteen cameras, with room to spare.
+constexpr std::size_t kMaxPoseBytes = 4096;
+
+}  // namespace
+
+Telemetry::Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now,
+                     std::optional<MessageKey> key)
     : prefix_(lcm.channel_prefix),
       publish_detections_(lcm.detections),
       pose_channel_(channel("POSE")),
+      signed_pose_channel_(channel("SIGNED_POSE")),
       detections_channel_(channel("DETECTIONS")),
+      key_(key),
       session_(std::move(session)),
       clock_(now),
       started_(now.monotonic),
       publisher_(lcm.url, now.monotonic),
       pose_(make_pose_message(session_)),
       detections_(make_detections_message(session_)),
-      last_pose_(now.monotonic) {}
+      last_pose_(now.monotonic) {
+  signed_pose_.pose.reserve(kMaxPoseBytes);
+}
 
 void Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
   const std::lock_guard lock(mutex_);
@@ -41,6 +54,16 @@ void Telemetry::send_pose(const PoseEstimate& estimate, Stamp now) {
   ++by_status_[static_cast<std::size_t>(estimate.status)];
   last_pose_ = now;
   publisher_.publish(pose_channel_, pose_, now);
+  if (key_) send_signed_pose(*key_, now);
+}
+
+void Telemetry::send_signed_pose(const MessageKey& key, Stamp now) {
+  signed_pose_.seq = pose_.seq;
+  signed_pose_.size = pose_.getEncodedSize();
+  signed_pose_.pose.resize(static_cast<std::size_t>(signed_pose_.size));
+  WAYMARK_CHECK(pose_.encode(signed_pose_.pose.data(), 0, signed_pose_.size) == signed_pose_.size);
+  key.sign(signed_pose_channel_, signed_pose_);
+  publisher_.publish(signed_pose_channel_, signed_pose_, now);
 }
 
 void Telemetry::publish_alert(const Alert& alert, const Rig& rig, bool several_families,

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <waymark/status_t.hpp>
 
@@ -9,6 +10,7 @@
 #include "locd/publish/clock_offset.h"
 #include "locd/publish/lcm_options.h"
 #include "locd/publish/lcm_publisher.h"
+#include "locd/publish/message_key.h"
 #include "locd/publish/messages.h"
 
 namespace waymark {
@@ -22,7 +24,9 @@ class Telemetry {
   /// loop's turn.
   static constexpr Stamp kHeartbeat = std::chrono::milliseconds(390);
 
-  Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now);
+  /// With a key poses are signed besides.
+  Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now,
+            std::optional<MessageKey> key = std::nullopt);
 
   /// Publishes the pose of a set (and its detections, where configured); allocates nothing.
   void publish_pose(const PoseEstimate& estimate, Stamp now);
@@ -45,7 +49,8 @@ class Telemetry {
   [[nodiscard]] Stamp utime_offset() const;
   /// µs since the epoch of a stamp.
   [[nodiscard]] std::int64_t utime_us(Stamp stamp) const;
-  [[nodiscard]] bool connected() const { return publisher_.connected(); }
+  /// Where messages go, how many did not, and why the last did not.
+  [[nodiscard]] const LcmPublisher& publisher() const { return publisher_; }
   /// LCM itself, for a subscriber in this process (memq://).
   [[nodiscard]] lcm::LCM* lcm() { return publisher_.lcm(); }
 
@@ -55,19 +60,23 @@ class Telemetry {
 
   [[nodiscard]] std::string channel(const char* name) const { return prefix_ + "_" + name; }
   void send_pose(const PoseEstimate& estimate, Stamp now);
+  void send_signed_pose(const MessageKey& key, Stamp now);
   void send_alert(alert_t& alert, Stamp now);
   void fill_latency(status_t& status);
 
   const std::string prefix_;
   const bool publish_detections_;
   const std::string pose_channel_;
+  const std::string signed_pose_channel_;
   const std::string detections_channel_;
+  const std::optional<MessageKey> key_;
   mutable PriorityMutex mutex_;
   SessionFacts session_;
   ClockOffset clock_;
   const Stamp started_;
   LcmPublisher publisher_;
   pose_t pose_;
+  signed_pose_t signed_pose_{};
   detections_t detections_;
   PoseEstimate no_pose_;
   Stamp last_pose_;

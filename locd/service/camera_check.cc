@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/base/one_line.h"
 #include "drivers/monotonic_clock.h"
 
 namespace waymark {
@@ -28,7 +29,7 @@ Expected<std::string> try_out(FrameSource& camera) {
 Expected<std::string> check(FrameSource& camera, std::optional<int> owner, std::ostream& out) {
   const auto device = camera.inspect();
   if (!device) return tl::make_unexpected(device.error());
-  fmt::print(out, "{}: {}\n", camera.name(), device->text);
+  fmt::print(out, "{}: {}\n", camera.name(), in_one_line(device->text));
   if (owner && std::count(device->holders.begin(), device->holders.end(), *owner) > 0) {
     return fmt::format("in use by the running locd (pid {})", *owner);
   }
@@ -44,7 +45,8 @@ Status check_cameras(const std::vector<std::unique_ptr<FrameSource>>& cameras,
   Status all;
   for (const auto& camera : cameras) {
     const auto found = check(*camera, owner, out);
-    fmt::print(out, "{}: {}\n", camera->name(), found ? *found : found.error().message);
+    fmt::print(out, "{}: {}\n", camera->name(),
+               in_one_line(found ? *found : found.error().message));
     if (!found && all) {
       all = fail(found.error().kind, "{}: {}", camera->name(), found.error().message);
     }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <set>
 
+#include "core/base/one_line.h"
 #include "drivers/v4l2/capture_format.h"
 #include "drivers/v4l2/device_lookup.h"
 
@@ -35,7 +36,7 @@ class BlockPrinter {
   bool print(const char* driver, const std::string& identity,
              const std::vector<OfferedFormat>& formats) {
     const OfferedFormat* const format = best_of(formats);
-    if (identity.empty()) {
+    if (identity.empty() || !is_plain(identity)) {
       fmt::print(out_, "# can't be told from another camera: plug it in elsewhere\n\n");
       return false;
     }
@@ -62,15 +63,20 @@ class BlockPrinter {
 Status list_cameras(VideoSystem& system, const std::vector<LibcameraCamera>& by_libcamera,
                     std::ostream& out) {
   const auto devices = find_cameras(system);
+  // What devices say of themselves stays within its line, and out of the terminal's commands.
+  constexpr std::size_t kMaxOffered = 4000;
+  const auto describe = [&](const std::string& what, const std::string& offered) {
+    fmt::print(out, "# {}\n# offers {}\n", in_one_line(what), in_one_line(offered, kMaxOffered));
+  };
   BlockPrinter blocks(out);
   std::set<std::string> covered;
   for (const VideoDevice& device : devices) {
     const auto node = system.open(device.node);
     if (!node) {
-      fmt::print(out, "# {}\n\n", node.error().message);
+      fmt::print(out, "# {}\n\n", in_one_line(node.error().message));
       continue;
     }
-    fmt::print(out, "# {}\n# offers {}\n", name_of(device), offered_formats(**node));
+    describe(name_of(device), offered_formats(**node));
     if (blocks.print("v4l2", identity_among(device, devices), understood_formats(**node))) {
       covered.insert(device.node);
     }
@@ -79,8 +85,7 @@ Status list_cameras(VideoSystem& system, const std::vector<LibcameraCamera>& by_
     const bool has_block = std::any_of(camera.nodes.begin(), camera.nodes.end(),
                                        [&](const auto& node) { return covered.contains(node); });
     if (has_block) continue;
-    fmt::print(out, "# {} ({}), by libcamera\n# offers {}\n", camera.id, camera.model,
-               camera.offered);
+    describe(fmt::format("{} ({}), by libcamera", camera.id, camera.model), camera.offered);
     blocks.print("libcamera", camera.id, camera.understood);
   }
   if (!devices.empty() || !by_libcamera.empty()) return {};

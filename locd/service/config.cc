@@ -1,10 +1,9 @@
 #include "locd/service/config.h"
 
 #include <algorithm>
-#include <array>
 
-#include "core/base/text_field.h"
 #include "core/base/toml_fields.h"
+#include "locd/publish/lcm_url.h"
 
 namespace waymark {
 namespace {
@@ -172,10 +171,17 @@ class ConfigReader {
       lcm.url = f.text("url", lcm.url);
       lcm.channel_prefix = f.text("channel_prefix", lcm.channel_prefix);
       lcm.detections = f.boolean("detections", lcm.detections);
-      if (const auto ttl = lcm_ttl(lcm.url); !ttl) f.reject("url", ttl.error().message);
+      lcm.key_file = file(f, "key_file", {});
+      if (const auto url = parse_lcm_url(lcm.url); !url) {
+        f.reject("url", "url: " + url.error().message);
+      }
       // LCM's channel names end at 63 characters; the longest suffix is "_DETECTIONS".
-      if (lcm.channel_prefix.empty() || lcm.channel_prefix.size() > 50) {
-        f.reject("channel_prefix", "channel_prefix must have 1 to 50 characters");
+      const std::string& prefix = lcm.channel_prefix;
+      const bool printable =
+          std::all_of(prefix.begin(), prefix.end(), [](char c) { return c > ' ' && c <= '~'; });
+      if (prefix.empty() || prefix.size() > 50 || !printable) {
+        f.reject("channel_prefix",
+                 "channel_prefix must have 1 to 50 characters, of ASCII without blanks");
       }
     });
   }
@@ -244,25 +250,6 @@ std::optional<std::string> key_that_needs_restart(const Config& now, const Confi
   if (now.lcm != next.lcm) return "[lcm]";
   if (now.service != next.service) return "[service]";
   return std::nullopt;
-}
-
-Expected<int> lcm_ttl(const std::string& url) {
-  constexpr std::array<std::string_view, 3> kProviders{"udpm://", "memq://", "file://"};
-  const auto begins = [&](std::string_view provider) { return url.starts_with(provider); };
-  if (std::none_of(kProviders.begin(), kProviders.end(), begins)) {
-    return fail(ErrorKind::config, "url \"{}\" must begin with {}", url,
-                fmt::join(kProviders, ", "));
-  }
-  const auto options = url.find('?');
-  const auto key = options == std::string::npos ? options : url.find("ttl=", options);
-  if (key == std::string::npos) return 0;
-  std::string_view value = std::string_view(url).substr(key + 4);
-  value = value.substr(0, value.find('&'));
-  const auto ttl = parse_whole<int>(value);
-  if (!ttl || *ttl < 0 || *ttl > 255) {
-    return fail(ErrorKind::config, "url \"{}\": ttl must be a whole number from 0 to 255", url);
-  }
-  return *ttl;
 }
 
 }  // namespace waymark

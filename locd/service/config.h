@@ -94,8 +94,4 @@ struct Config {
 [[nodiscard]] std::optional<std::string> key_that_needs_restart(const Config& now,
                                                                 const Config& next);
 
-/// The `ttl` of an LCM address, 0 where it has none: how many routers its messages may pass.
-/// Errors: config for an address that is no udpm://, memq:// or file:// one, or a ttl beyond 255.
-[[nodiscard]] Expected<int> lcm_ttl(const std::string& url);
-
 }  // namespace waymark

@@ -1,5 +1,6 @@
 #include "locd/service/control_socket.h"
 
+#include <fcntl.h>
 #include <grp.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -26,7 +27,12 @@ void give_to_group(const std::filesystem::path& path) {
   }
 }
 
+Descriptor open_spare() { return Descriptor(::open("/dev/null", O_RDONLY | O_CLOEXEC)); }
+
 }  // namespace
+
+ControlSocket::ControlSocket(Descriptor listener, std::filesystem::path path)
+    : listener_(std::move(listener)), spare_(open_spare()), path_(std::move(path)) {}
 
 Expected<ControlSocket> ControlSocket::open(const std::filesystem::path& path) {
   sockaddr_un address{};
@@ -60,10 +66,20 @@ ControlSocket::~ControlSocket() {
 void ControlSocket::accept_clients() {
   for (;;) {
     Descriptor client(::accept4(listener_.get(), nullptr, nullptr, SOCK_NONBLOCK | SOCK_CLOEXEC));
-    if (!client.valid()) return;
+    if (!client.valid()) {
+      if (errno != EMFILE && errno != ENFILE) return;
+      turn_client_away();
+      return;
+    }
     if (clients_.size() == kMaxClients) clients_.erase(clients_.begin());  // it has had its time
     clients_.push_back({std::move(client), "", {}});
   }
+}
+
+void ControlSocket::turn_client_away() {
+  spare_ = Descriptor();
+  { const Descriptor turned_away(::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC)); }
+  spare_ = open_spare();
 }
 
 void ControlSocket::serve(const Handler& handler, Stamp now) {

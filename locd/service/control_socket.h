@@ -45,15 +45,18 @@ class ControlSocket {
     std::string received;
     Answer answer;  ///< empty: nothing was asked
   };
-  ControlSocket(Descriptor listener, std::filesystem::path path)
-      : listener_(std::move(listener)), path_(std::move(path)) {}
+  ControlSocket(Descriptor listener, std::filesystem::path path);
   void accept_clients();
+  void turn_client_away();
   /// False when the client says nothing more.
   static bool receive(Client& client);
   /// False when the client is done.
   static bool serve(Client& client, const Handler& handler, Stamp now);
 
   Descriptor listener_;
+  /// To turn clients away with when no other descriptor is left: one who waits unheard would make
+  /// the listener readable for ever.
+  Descriptor spare_;
   std::filesystem::path path_;
   std::vector<Client> clients_;
 };

@@ -13,6 +13,7 @@
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
 #include "locd/frames/rig_capture.h"
+#include "locd/publish/link_watch.h"
 #include "locd/publish/status_report.h"
 #include "locd/record/quarantine_file.h"
 #include "locd/record/recorder.h"
@@ -79,7 +80,7 @@ struct Daemon::Parts {
         several_families(map.several_families),
         quarantine_file(std::move(file)),
         quarantine{map.map_hash, quarantine_file->of_map(map.map_hash)},
-        telemetry(setup.config.lcm, session_of(setup, map), options.read_clocks()),
+        telemetry(setup.config.lcm, session_of(setup, map), options.read_clocks(), setup.key),
         capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
         localization(capture, telemetry, std::move(map),
                      [this](const FrameSetLease& set) { recorder.offer(set); }),
@@ -97,6 +98,7 @@ struct Daemon::Parts {
                               [this] { return plan_recording(setup, telemetry, options.version); }};
   LocalizationThread localization;
   StatusReport report;
+  LinkWatch link;
   std::optional<ControlSocket> control;
   ServiceNotifier notifier;
   ServiceLog log;
@@ -118,6 +120,7 @@ struct Daemon::Parts {
   void look_at_cameras(Stamp now);
   void pass_on(const std::vector<Alert>& alerts, Stamp now);
   void publish_status(Stamp now);
+  void look_at_link(Stamp now);
   void feed_watchdog(Stamp now);
   void keep_quarantine(Stamp now);
   void look_at_recorder(Stamp now);
@@ -246,12 +249,21 @@ void Daemon::Parts::publish_status(Stamp now) {
   status.map_hash = telemetry.session().map_hash;
   status.text = StatusReport::text(status);
   telemetry.publish_status(status, now);
+  look_at_link(now);
   // Whoever asks systemd can't hear that nothing is heard.
-  if (ready)
-    notifier.status(status.text + (telemetry.connected() ? "" : ", LCM takes no messages"));
-  if (!telemetry.connected()) {
-    log.event("LCM", "LCM takes no messages; is there a route for multicast? Trying on", now);
-  }
+  if (ready) notifier.status(status.text + (link.down() ? ", LCM takes no messages" : ""));
+}
+
+void Daemon::Parts::look_at_link(Stamp now) {
+  const LcmPublisher& publisher = telemetry.publisher();
+  const auto news = link.look(publisher.failures());
+  if (!news) return;
+  const std::string text =
+      news->raised ? "LINK: messages are not taken: " +
+                         describe(publisher.last_failure(), publisher.address())
+                   : fmt::format("LINK is over: messages are taken again; {} were not", news->lost);
+  telemetry.publish_alert("LINK", publisher.address().text(), text, news->raised, now);
+  log.event(news->raised ? "LINK" : "LINK is over", text, now);
 }
 
 void Daemon::Parts::keep_quarantine(Stamp now) {
@@ -338,6 +350,10 @@ Status Daemon::Parts::swap(Setup next) {
   if (!same_rig(setup.rig, next.rig)) {
     return fail(ErrorKind::config, "{}: the rig has changed, which needs a restart",
                 next.config.rig.camchain.string());
+  }
+  if (setup.key != next.key) {
+    return fail(ErrorKind::config, "{}: the key has changed, which needs a restart",
+                next.config.lcm.key_file.string());
   }
   MapInUse map = map_in_use(next, *quarantine_file);
   several_families = map.several_families;

@@ -12,6 +12,7 @@
 #include "drivers/device_monitor.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
+#include "locd/publish/multicast_route.h"
 #include "locd/record/recorder.h"
 #include "locd/service/camera_check.h"
 #include "locd/service/camera_sources.h"
@@ -131,6 +132,9 @@ Status check_configuration(const DaemonOptions& options) {
   const auto sources = make_sources(*setup);
   if (!sources) return tl::make_unexpected(sources.error());
   for (const std::string& note : setup->notes) fmt::print(stderr, "note: {}\n", note);
+  fmt::print("{}\n", describe_route(*parse_lcm_url(setup->config.lcm.url)));
+  if (setup->key)
+    fmt::print("poses are signed with {}\n", in_one_line(setup->config.lcm.key_file.string()));
   const auto owner = InstanceLock::holder(lock_file(options));
   if (auto checked = check_cameras(*sources, owner, std::cout); !checked) return checked;
   fmt::print("{}: {} cameras, {} markers{}; all is well\n", options.config.string(),

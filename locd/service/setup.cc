@@ -8,6 +8,7 @@
 #include "core/camera/kalibr.h"
 #include "core/map/map_file.h"
 #include "core/marker/marker_catalog.h"
+#include "locd/publish/lcm_url.h"
 
 namespace waymark {
 namespace {
@@ -117,6 +118,27 @@ Status read_map(Setup& setup) {
   return {};
 }
 
+Status read_key(Setup& setup) {
+  const std::filesystem::path& file = setup.config.lcm.key_file;
+  if (file.empty()) return {};
+  auto key = MessageKey::read(file);
+  if (!key) return tl::make_unexpected(key.error());
+  setup.key = *key;
+  return {};
+}
+
+void note_who_hears(Setup& setup) {
+  const LcmUrl url = *parse_lcm_url(setup.config.lcm.url);
+  if (!url.group) {
+    setup.notes.emplace_back("[lcm] url is memq://: nobody hears poses outside this process");
+  } else if (url.ttl > 0) {
+    setup.notes.push_back(
+        fmt::format("[lcm] url has ttl={}: messages leave this machine, and everybody in its "
+                    "network reads them",
+                    url.ttl));
+  }
+}
+
 }  // namespace
 
 Expected<Setup> load_setup(const std::filesystem::path& path) {
@@ -128,14 +150,11 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
   if (!rig) return tl::make_unexpected(rig.error());
   setup.rig = std::move(rig->rig);
   setup.notes = std::move(rig->notes);
-  for (Status (*step)(Setup&) : {match_cameras, read_map, find_markers}) {
+  for (Status (*step)(Setup&) : {match_cameras, read_map, find_markers, read_key}) {
     if (auto done = step(setup); !done) return tl::make_unexpected(done.error());
   }
   if (auto checked = check_rig(setup); !checked) return tl::make_unexpected(checked.error());
-  if (const int ttl = *lcm_ttl(setup.config.lcm.url); ttl > 0) {
-    setup.notes.push_back(fmt::format(
-        "[lcm] url has ttl={}: messages leave this machine, unencrypted and unauthenticated", ttl));
-  }
+  note_who_hears(setup);
   if (setup.markers_toml.empty()) {
     setup.notes.emplace_back(
         "no [record] markers: recordings need a markers.toml before mapbuilder reads them");

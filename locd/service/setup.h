@@ -8,6 +8,7 @@
 #include "core/camera/rig.h"
 #include "core/map/marker_map.h"
 #include "locd/pose/localizer.h"
+#include "locd/publish/message_key.h"
 #include "locd/service/config.h"
 
 namespace waymark {
@@ -19,6 +20,7 @@ struct Setup {
   Rig rig;        ///< read-out times as the configuration has them
   std::optional<MarkerMap> map;
   std::string map_hash;            ///< content hash; empty without a map
+  std::optional<MessageKey> key;   ///< what poses are signed with
   std::string markers_toml;        ///< for recordings; empty when nothing tells families and sizes
   std::vector<std::string> notes;  ///< what the user should know, one line each
 };

@@ -7,7 +7,7 @@ trap 'rm -rf "$work"' EXIT
 url="udpm://239.255.76.67:7667?ttl=0"
 
 mkfifo "$work/heard"
-java -Djava.net.preferIPv4Stack=true -cp "$1" Listen "$url" WAYMARK 4 >"$work/heard" &
+java -Djava.net.preferIPv4Stack=true -cp "$1" Listen "$url" WAYMARK 5 >"$work/heard" &
 {
   read -r ready
   [ "$ready" = listening ]

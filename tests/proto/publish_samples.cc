@@ -1,12 +1,14 @@
 // Publishes one message per channel, every field with a value of its own. Usage: publish_samples
 // URL
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>
 #include <numeric>
 #include <waymark/alert_t.hpp>
 #include <waymark/detections_t.hpp>
 #include <waymark/pose_t.hpp>
+#include <waymark/signed_pose_t.hpp>
 #include <waymark/status_t.hpp>
 
 namespace {
@@ -117,6 +119,15 @@ waymark::detections_t detections() {
   return m;
 }
 
+waymark::signed_pose_t signed_pose() {
+  waymark::signed_pose_t m{};
+  m.seq = 4'294'967'296;
+  m.pose = {1, 0, 127};
+  m.size = 3;
+  std::iota(std::begin(m.mac), std::end(m.mac), std::uint8_t{100});
+  return m;
+}
+
 template <typename Message>
 bool publish(lcm::LCM& lcm, const char* channel, const Message& message) {
   return lcm.publish(channel, &message) == 0;
@@ -130,7 +141,8 @@ int main(int argc, char** argv) {
   if (!lcm.good()) return 69;
   const bool sent =
       publish(lcm, "WAYMARK_POSE", pose()) && publish(lcm, "WAYMARK_STATUS", status()) &&
-      publish(lcm, "WAYMARK_ALERT", alert()) && publish(lcm, "WAYMARK_DETECTIONS", detections());
+      publish(lcm, "WAYMARK_ALERT", alert()) && publish(lcm, "WAYMARK_DETECTIONS", detections()) &&
+      publish(lcm, "WAYMARK_SIGNED_POSE", signed_pose());
   if (!sent) std::fputs("publish_samples: LCM took not every message\n", stderr);
   return sent ? 0 : 74;
 }

@@ -108,6 +108,22 @@ TEST(StatusReport, StampsThatAreNotBelievedAreAnAlertUntilTheyAre) {
   EXPECT_FALSE(over[0].raised);
 }
 
+TEST(StatusReport, SettingsThatAnotherProgramChangesAreAnAlertAndALineUntilMended) {
+  Machine machine(milliseconds(100));
+  EXPECT_TRUE(machine.run(seconds(2), true).empty());
+  machine.states()[1].changed_settings = "gain was set from 40 to 200 by another program";
+  const auto begun = machine.run(seconds(2), true);
+  ASSERT_EQ(begun.size(), 1U);
+  EXPECT_EQ(begun[0].kind, AlertKind::settings_changed);
+  EXPECT_EQ(begun[0].camera, 1);
+  EXPECT_EQ(machine.report().camera_news(machine.states()),
+            std::vector<std::string>{"cam1: gain was set from 40 to 200 by another program"});
+  machine.states()[1].changed_settings.clear();
+  const auto over = machine.run(seconds(2), true);
+  ASSERT_EQ(over.size(), 1U);
+  EXPECT_FALSE(over[0].raised);
+}
+
 TEST(StatusReport, ASlowCameraIsNotMissingBetweenItsFrames) {
   Machine machine(milliseconds(1300));
   EXPECT_FALSE(machine.report().all_run());

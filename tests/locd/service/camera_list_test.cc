@@ -96,6 +96,30 @@ TEST(ListCameras, SaysOfThoseThatCantBeToldApart) {
   EXPECT_EQ(out.str().find("[[camera]]"), std::string::npos);
 }
 
+TEST(ListCameras, ADeviceThatLiesAboutItsNameWritesNothingIntoTheConfiguration) {
+  const std::string hostile =
+      "X'\n[lcm]\nurl = \"udpm://239.1.1.1:7667?ttl=255\"\n[record]\ndir = \"/tmp\"\n#\x1b[2J";
+  test::FakeVideoSystem system;
+  system.cameras.resize(2);
+  system.cameras[0].identity = {"/dev/video0", {"/dev/v4l/by-id/" + hostile}, "usb-1", hostile, ""};
+  system.cameras[0].identity.card = "\n[lcm]\nurl = \"u\"\n#";
+  // No way to name it is left.
+  system.cameras[1].identity = {"/dev/video2", {}, "platform:\n[lcm]", "", "\x1b]0;x\x07"};
+  system.cameras[1].formats = {{v4l2_fourcc('\n', '[', 'x', ']'), {{64, 48}}}};
+  const std::vector<OfferedFormat> understood{{find_pixel_format("NV12"), 1640, 1232}};
+  const std::vector<LibcameraCamera> by_libcamera{
+      {"id'\n[lcm]\nurl=\"u\"\n#", "model\n[lcm]", "NV12\n[lcm]", understood, {}}};
+  std::ostringstream out;
+  ASSERT_TRUE(list_cameras(system, by_libcamera, out));
+  const auto config = parse_config("[rig]\ncamchain = \"rig.yaml\"\n" + out.str(), "locd.toml");
+  ASSERT_TRUE(config) << config.error().message << out.str();
+  ASSERT_EQ(config->cameras.size(), 1U) << out.str();
+  EXPECT_EQ(config->cameras[0].device, "bus=usb-1");
+  EXPECT_EQ(config->lcm, LcmOptions());
+  EXPECT_EQ(config->record, Config::Record());
+  for (const char c : out.str()) EXPECT_TRUE(c < 0 || c == '\n' || (c >= ' ' && c != 0x7f));
+}
+
 TEST(ListCameras, SaysThatThereIsNoneAndWhatMayNotBeOpened) {
   test::FakeVideoSystem system;
   std::ostringstream out;

@@ -1,5 +1,6 @@
 #include "locd/service/config.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -14,7 +15,7 @@ constexpr std::string_view kSmallest =
     "[[camera]]\nname = \"cam0\"\ndriver = \"replay\"\ndevice = \"capture\"\n";
 
 std::string smallest_with(std::string_view more) {
-  return std::string(kSmallest) + "\n" + std::string(more);
+  return fmt::format("{}\n{}", kSmallest, more);
 }
 
 TEST(Config, TheSmallestOneHasDefaultsForEverythingElse) {
@@ -27,7 +28,7 @@ TEST(Config, TheSmallestOneHasDefaultsForEverythingElse) {
   EXPECT_EQ(config->cameras[0].device, "/etc/locd/capture");
   EXPECT_TRUE(config->sync.triggered);
   EXPECT_EQ(config->lcm.channel_prefix, "WAYMARK");
-  EXPECT_EQ(lcm_ttl(config->lcm.url), 0);
+  EXPECT_EQ(config->lcm.url, "udpm://239.255.76.67:7667?ttl=0");
   EXPECT_FALSE(config->lcm.detections);
   EXPECT_DOUBLE_EQ(config->solve.ok_sigma_m, 0.02);
   EXPECT_DOUBLE_EQ(config->solve.ok_sigma_deg, 0.5);
@@ -108,7 +109,7 @@ lock_memory = true
   EXPECT_EQ(config->cameras[1].driver, CameraDriver::libcamera);
   EXPECT_EQ(config->sync, (Config::Sync{false, 20000, 40, 2}));
   EXPECT_EQ(config->solve, (Config::Solve{90, 0.01, 0.2, 2, 60, 0.5}));
-  EXPECT_EQ(config->lcm, (LcmOptions{"udpm://239.1.2.3:7777?ttl=1", "CART7", true}));
+  EXPECT_EQ(config->lcm, (LcmOptions{"udpm://239.1.2.3:7777?ttl=1", "CART7", true, ""}));
   EXPECT_EQ(config->record, (Config::Record{"/data", true, 3, 5'000'000'000, 3600, 2'000'000'000,
                                             "/maps/markers.toml"}));
   EXPECT_EQ(config->service, (Config::Service{3, true, true}));
@@ -156,7 +157,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadConfig{"[lcm]\nurl = \"tcp://x\"", "line 11", "udpm://"},
         BadConfig{"[lcm]\nurl = \"udpm://239.1.1.1:7?ttl=256\"", "line 11", "ttl"},
         BadConfig{"[lcm]\nurl = \"udpm://239.1.1.1:7?ttl=x\"", "line 11", "ttl"},
+        BadConfig{"[lcm]\nurl = \"udpm://192.168.1.10:7667?ttl=1\"", "line 11",
+                  "192.168.1.10 is no multicast address (224.0.0.0 to 239.255.255.255)"},
+        BadConfig{"[lcm]\nurl = \"udpm://239.255.76.67:7667?tll=1\"", "line 11",
+                  "unknown option tll; known: ttl, recv_buf_size"},
         BadConfig{"[lcm]\nchannel_prefix = \"\"", "line 11", "channel_prefix"},
+        BadConfig{"[lcm]\nchannel_prefix = \"A\\u0000B\"", "line 11", "channel_prefix"},
+        BadConfig{"[lcm]\nchannel_prefix = \"A B\"", "line 11", "channel_prefix"},
+        BadConfig{"[lcm]\nchannel_prefix = \"Ä\"", "line 11", "channel_prefix"},
         BadConfig{"[record]\ncodec = \"png\"", "line 11", "\"pgm\", \"jpeg\""},
         BadConfig{"[record]\nmax_bytes = -1", "line 11", "max_bytes"},
         BadConfig{"[service]\nrealtime = 1", "line 11", "realtime"},

@@ -1,6 +1,7 @@
 #include "locd/service/control_socket.h"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -9,6 +10,7 @@
 #include <cstring>
 #include <optional>
 
+#include "tests/support/no_descriptors_left.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -135,6 +137,28 @@ TEST(ControlSocket, EndlessRequestsAndManyClientsHurtNobody) {
   crowd.back()->send("still there\n");
   socket->serve(echo, kNow);
   EXPECT_EQ(crowd.back()->receive(), "ok still there\n");
+}
+
+TEST(ControlSocket, WithoutAnyDescriptorLeftWhoWaitsIsTurnedAwayAndOthersAreServedLater) {
+  const TemporaryFolder tmp;
+  auto socket = ControlSocket::open(tmp.path() / "control");
+  ASSERT_TRUE(socket);
+  const auto is_readable = [&] {
+    pollfd listener{socket->descriptor(), POLLIN, 0};
+    return ::poll(&listener, 1, 0) > 0;
+  };
+  {
+    const Client first(tmp.path() / "control");
+    const Client second(tmp.path() / "control");
+    const test::NoDescriptorsLeft none;
+    ASSERT_TRUE(is_readable());
+    for (int turn = 0; turn < 2; ++turn) socket->serve(echo, kNow);
+    EXPECT_FALSE(is_readable()) << "the service loop would never wait again";
+  }
+  const Client later(tmp.path() / "control");
+  later.send("start\n");
+  socket->serve(echo, kNow);
+  EXPECT_EQ(later.receive(), "ok start\n");
 }
 
 TEST(ControlSocket, AFolderThatIsNotThereIsSaid) {

@@ -129,6 +129,7 @@ class DaemonTest : public testing::Test {
     daemon_ = std::make_unique<Daemon>(options, std::move(*setup), std::move(sources));
     lcm::LCM& lcm = *daemon_->telemetry().lcm();
     lcm.subscribe("WAYMARK_POSE", &DaemonTest::take_pose, this);
+    lcm.subscribe("WAYMARK_SIGNED_POSE", &DaemonTest::take_signed_pose, this);
     lcm.subscribe("WAYMARK_STATUS", &DaemonTest::take_status, this);
     lcm.subscribe("WAYMARK_ALERT", &DaemonTest::take_alert, this);
   }
@@ -218,12 +219,17 @@ class DaemonTest : public testing::Test {
   Stamp now_{0};
   Stamp last_given_{0};
   std::vector<pose_t> poses_;
+  std::vector<signed_pose_t> signed_poses_;
   std::vector<status_t> statuses_;
   std::vector<alert_t> alerts_;
 
  private:
   void take_pose(const lcm::ReceiveBuffer* /*b*/, const std::string& /*c*/, const pose_t* pose) {
     poses_.push_back(*pose);
+  }
+  void take_signed_pose(const lcm::ReceiveBuffer* /*b*/, const std::string& /*c*/,
+                        const signed_pose_t* pose) {
+    signed_poses_.push_back(*pose);
   }
   void take_status(const lcm::ReceiveBuffer* /*b*/, const std::string& /*c*/,
                    const status_t* status) {

@@ -207,5 +207,40 @@ TEST_F(DaemonTest, TheQuarantineOfAnotherMapIsNot) {
   EXPECT_EQ(statuses_.back().quarantined_markers, 0);
 }
 
+TEST_F(DaemonTest, PosesAreSignedBesidesWhereThereIsAKey) {
+  const auto file = tmp_.write("pose.key", std::string(64, '5'));
+  std::filesystem::permissions(file, std::filesystem::perms::owner_read);
+  std::string config = tmp_.read("locd.toml");
+  tmp_.write("locd.toml",
+             config.replace(config.find("[lcm]\n"), 6, "[lcm]\nkey_file = \"pose.key\"\n"));
+  start();
+  turn_for(seconds(2));
+  ASSERT_GE(poses_.size(), 3U);
+  ASSERT_EQ(signed_poses_.size(), poses_.size());
+  const MessageKey key = *MessageKey::read(file);
+  for (std::size_t i = 0; i < poses_.size(); ++i) {
+    const signed_pose_t& message = signed_poses_[i];
+    EXPECT_EQ(message.seq, poses_[i].seq);
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(poses_[i].getEncodedSize()));
+    poses_[i].encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+    EXPECT_EQ(message.pose, bytes);
+    signed_pose_t again = message;
+    key.sign("WAYMARK_SIGNED_POSE", again);
+    EXPECT_TRUE(std::equal(std::begin(message.mac), std::end(message.mac), std::begin(again.mac)));
+  }
+  tmp_.write("pose.key", std::string(64, '6'));
+  daemon_->reload();
+  turn_for(seconds(1));
+  ASSERT_NE(alert("RELOAD", true), nullptr);
+  EXPECT_THAT(alert("RELOAD", true)->text, testing::HasSubstr("the key has changed"));
+}
+
+TEST_F(DaemonTest, WithoutAKeyNothingIsSigned) {
+  start();
+  turn_for(seconds(1));
+  EXPECT_FALSE(poses_.empty());
+  EXPECT_TRUE(signed_poses_.empty());
+}
+
 }  // namespace
 }  // namespace waymark
