@@ -2,8 +2,9 @@
 //
 // Usage: verified_poses KEY_FILE [COUNT] [URL [CHANNEL]]
 //
-// Four things make a pose one to be believed: its code fits (made with the key), its number is above the last one's
-// (not played again), its session is that of the first (another one needs a look at its age, too), and it is young.
+// Four things make a pose one to be believed: its code fits (made with the key), its number is
+// above the last one's (not played again), its session is that of the first (another one needs a
+// look at its age, too), and it is young.
 #include <sodium.h>
 
 #include <array>
@@ -38,8 +39,8 @@ bool is_genuine(const Key& key, const std::string& channel, const waymark::signe
   crypto_auth_hmacsha256_state state;
   crypto_auth_hmacsha256_init(&state, key.data(), key.size());
   // With the zero at its end.
-  crypto_auth_hmacsha256_update(
-      &state, reinterpret_cast<const unsigned char*>(channel.c_str()), channel.size() + 1);
+  crypto_auth_hmacsha256_update(&state, reinterpret_cast<const unsigned char*>(channel.c_str()),
+                                channel.size() + 1);
   crypto_auth_hmacsha256_update(&state, seq.data(), seq.size());
   crypto_auth_hmacsha256_update(&state, message.pose.data(), message.pose.size());
   std::array<unsigned char, crypto_auth_hmacsha256_BYTES> mac{};

@@ -14,34 +14,33 @@ ServiceNotifier::ServiceNotifier() {
 
 void ServiceNotifier::ready(const std::string& status) {
   last_status_ = status;
-  ::sd_notify(0, fmt::format("READY=1\nSTATUS={}", status).c_str());
+  socket_.tell(fmt::format("READY=1\nSTATUS={}", status));
 }
 
 void ServiceNotifier::status(const std::string& status) {
   if (status == last_status_) return;
-  last_status_ = status;
-  ::sd_notify(0, fmt::format("STATUS={}", status).c_str());
+  // One that systemd has not heard is told with the next look.
+  if (socket_.offer(fmt::format("STATUS={}", status))) last_status_ = status;
 }
 
 void ServiceNotifier::reloading(Stamp now) {
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(now).count();
-  ::sd_notify(0, fmt::format("RELOADING=1\nMONOTONIC_USEC={}", us).c_str());
+  socket_.tell(fmt::format("RELOADING=1\nMONOTONIC_USEC={}", us));
 }
 
-void ServiceNotifier::stopping() { ::sd_notify(0, "STOPPING=1"); }
+void ServiceNotifier::stopping() { socket_.tell("STOPPING=1"); }
 
 void ServiceNotifier::extend_start(Stamp now) {
   constexpr Stamp kEvery = std::chrono::seconds(2);
   if (now - last_extended_ < kEvery) return;
   last_extended_ = now;
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(5 * kEvery).count();
-  ::sd_notify(0, fmt::format("EXTEND_TIMEOUT_USEC={}", us).c_str());
+  socket_.tell(fmt::format("EXTEND_TIMEOUT_USEC={}", us));
 }
 
 void ServiceNotifier::feed_watchdog(Stamp now) {
   if (!watchdog_period_ || now - last_fed_ < *watchdog_period_ / 4) return;
-  last_fed_ = now;
-  ::sd_notify(0, "WATCHDOG=1");
+  if (socket_.offer("WATCHDOG=1")) last_fed_ = now;
 }
 
 }  // namespace waymark

@@ -4,10 +4,11 @@
 #include <string>
 
 #include "core/geometry/stamp.h"
+#include "locd/service/notify_socket.h"
 
 namespace waymark {
 
-/// Tells systemd how the service is (sd_notify). Without systemd nothing happens.
+/// Tells systemd how the service is (NotifySocket). Without systemd nothing happens.
 class ServiceNotifier {
  public:
   ServiceNotifier();
@@ -24,6 +25,7 @@ class ServiceNotifier {
   void feed_watchdog(Stamp now);
 
  private:
+  NotifySocket socket_;
   std::string last_status_;
   std::optional<Stamp> watchdog_period_;
   Stamp last_fed_{0};

@@ -15,7 +15,8 @@ mkdir unpacked
 dpkg-deb --fsys-tarfile linux-image-*.deb |
   tar -x -C unpacked --wildcards "./boot/vmlinuz-*" "./lib/modules/*/modules.*" \
     "./lib/modules/*/kernel/arch/*" "./lib/modules/*/kernel/crypto/*" "./lib/modules/*/kernel/fs/*" \
-    "./lib/modules/*/kernel/lib/*" "./lib/modules/*/kernel/net/9p/*" "./lib/modules/*/kernel/drivers/block/*" \
+    "./lib/modules/*/kernel/lib/*" "./lib/modules/*/kernel/net/9p/*" \
+    "./lib/modules/*/kernel/net/sched/sch_tbf.ko" "./lib/modules/*/kernel/drivers/block/*" \
     "./lib/modules/*/kernel/drivers/char/*" "./lib/modules/*/kernel/drivers/media/*" \
     "./lib/modules/*/kernel/drivers/net/dummy.ko" "./lib/modules/*/kernel/drivers/usb/*" \
     "./lib/modules/*/kernel/drivers/virtio/*"
