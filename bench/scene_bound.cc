@@ -4,22 +4,26 @@
 #include <map>
 
 #include "core/geometry/tum.h"
+#include "mapbuilder/bundle/prepared_observations.h"
 
 namespace waymark::bench {
 namespace {
 
 /// Pose of a frame set's rig by a truth of poses of the whole rig; of its camera for mono.
-Rigid3 pose_of_set(const SceneCapture& capture, const TableFrameSet& set,
+Rigid3 pose_of_set(const SceneCapture& capture, const ObservedFrameSet& set,
                    const Rigid3& world_from_rig) {
   if (!capture.mono) return world_from_rig;
-  const auto camera = static_cast<std::size_t>(set.camera);
+  const auto camera = static_cast<std::size_t>(set.mono_camera.value_or(0));
   return world_from_rig * capture.detected.rig.cameras[camera].rig_from_cam;
 }
 
 /// Collects what the first sub-map rests on, with poses from whatever source.
 class GeometryMaker {
  public:
-  explicit GeometryMaker(const SceneTrial& trial) : table_(trial.table) {}
+  explicit GeometryMaker(const SceneTrial& trial)
+      : observations_(trial.observations),
+        selection_(trial.observations),
+        prepared_(selection_, trial.built.estimate, 1) {}
 
   void add_marker(const MapMarker& marker, const Rigid3& world_from_marker) {
     index_.emplace(marker.id, geometry.world_from_marker.size());
@@ -31,14 +35,13 @@ class GeometryMaker {
   template <typename Visit>
   void add_frame_set(const LocalizedFrameSet& localized, const Rigid3& world_from_rig,
                      const Visit& visit) {
-    const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(localized.frame_set)];
-    const Rig& rig = table_.rigs[static_cast<std::size_t>(set.rig)];
     const std::size_t before = geometry.observations.size();
-    for (std::size_t i = 0; i < set.observation_count; ++i) {
-      const TableObservation& o = table_.observations[set.first_observation + i];
-      const auto marker = index_.find(table_.markers[static_cast<std::size_t>(o.marker)]);
+    for (const ObservationIndex index : selection_.used_in(localized.frame_set)) {
+      const Observation& o = observations_[index];
+      const auto marker = index_.find(observations_.markers[o.marker]);
       if (marker == index_.end()) continue;
-      const RigCamera& camera = rig.cameras[static_cast<std::size_t>(o.camera)];
+      const CameraPlace& place = observations_.cameras[o.camera];
+      const RigCamera& camera = observations_.rigs[place.rig].cameras[place.in_rig];
       SceneObservation seen;
       seen.camera = &camera.model;
       seen.cam_from_rig = camera.rig_from_cam.inverse();
@@ -46,7 +49,7 @@ class GeometryMaker {
       seen.marker = marker->second;
       const Rigid3 cam_from_marker =
           seen.cam_from_rig * (world_from_rig.inverse() * geometry.world_from_marker[seen.marker]);
-      if (visit(o, cam_from_marker, seen)) geometry.observations.push_back(seen);
+      if (visit(prepared_[index], cam_from_marker, seen)) geometry.observations.push_back(seen);
     }
     if (geometry.observations.size() > before) geometry.world_from_rig.push_back(world_from_rig);
   }
@@ -54,7 +57,9 @@ class GeometryMaker {
   SceneGeometry geometry;
 
  private:
-  const ObservationTable& table_;
+  const Observations& observations_;
+  Selection selection_;
+  PreparedObservations prepared_;
   std::map<MarkerId, std::size_t> index_;
 };
 
@@ -82,8 +87,7 @@ Expected<TrueScene> true_scene(const SceneCapture& capture, const SceneTrial& tr
     if (truth != capture.truth.world_from_marker->end()) maker.add_marker(marker, truth->second);
   }
   for (const LocalizedFrameSet& localized : submap.trajectory) {
-    const TableFrameSet& set =
-        trial.table.frame_sets[static_cast<std::size_t>(localized.frame_set)];
+    const ObservedFrameSet& set = trial.observations.frame_sets[localized.frame_set];
     const auto at = world_from_rig.find(set.stamp);
     if (at == world_from_rig.end()) {
       return fail(ErrorKind::bad_data, "{}: no true pose at {} s", capture.scene,
@@ -91,7 +95,7 @@ Expected<TrueScene> true_scene(const SceneCapture& capture, const SceneTrial& tr
     }
     maker.add_frame_set(
         localized, pose_of_set(capture, set, at->second),
-        [&](const TableObservation& o, const Rigid3& cam_from_marker, SceneObservation& seen) {
+        [&](const MarkerObservation& o, const Rigid3& cam_from_marker, SceneObservation& seen) {
           seen.whitening.fill(Eigen::Matrix2d::Identity());
           const auto residuals = corner_residuals(o, *seen.camera, cam_from_marker);
           const auto misread = [](const Eigen::Vector2d& r) { return r.norm() > kMisread_px; };
@@ -125,7 +129,7 @@ Expected<SceneCovariance> joint_covariance(const SceneTrial& trial) {
   }
   for (const LocalizedFrameSet& localized : submap.trajectory) {
     maker.add_frame_set(localized, localized.world_from_rig,
-                        [](const TableObservation& o, const Rigid3&, SceneObservation& seen) {
+                        [](const MarkerObservation& o, const Rigid3&, SceneObservation& seen) {
                           seen.whitening = o.whitening;
                           return true;
                         });

@@ -44,13 +44,14 @@ class Stopwatch {
 };
 
 /// The first sub-map's trajectory as an evaluation takes it.
-std::vector<Trajectory> trajectories_of(const ObservationTable& table, const SceneCapture& capture,
+std::vector<Trajectory> trajectories_of(const Observations& observations,
+                                        const SceneCapture& capture,
                                         const std::vector<LocalizedFrameSet>& localized) {
-  std::map<int, Trajectory> by_camera;
+  std::map<std::optional<int>, Trajectory> by_camera;
   for (const LocalizedFrameSet& set : localized) {
-    const TableFrameSet& known = table.frame_sets[static_cast<std::size_t>(set.frame_set)];
-    Trajectory& trajectory = by_camera[known.camera];
-    if (capture.mono) trajectory.camera = fmt::format("cam{}", known.camera);
+    const ObservedFrameSet& known = observations.frame_sets[set.frame_set];
+    Trajectory& trajectory = by_camera[known.mono_camera];
+    if (capture.mono) trajectory.camera = fmt::format("cam{}", known.mono_camera.value_or(0));
     trajectory.poses.push_back({known.stamp, set.world_from_rig});
   }
   std::vector<Trajectory> trajectories;
@@ -134,22 +135,23 @@ Expected<SceneTrial> map_scene(const SceneCapture& capture, const BuildOptions& 
   Progress progress(false);
   const Stopwatch stopwatch;
   std::vector<DetectedCapture> captures = {capture.detected};
-  auto table = make_observation_table(std::move(captures), {capture.mono, options.threads});
-  if (!table) return tl::make_unexpected(table.error());
-  trial.table = *std::move(table);
-  trial.built = build_map(trial.table, options, progress);
+  auto observations = make_observations(captures, {capture.mono, options.threads});
+  if (!observations) return tl::make_unexpected(observations.error());
+  trial.observations = *std::move(observations);
+  trial.built = build_map(Selection(trial.observations), options, progress);
   trial.mapping = stopwatch.elapsed();
   if (trial.built.submaps.empty()) {
     return fail(ErrorKind::bad_data, "{} {}: no map", capture.scene, capture.rig);
   }
   trial.true_markers = capture.truth.world_from_marker->size();
   trial.frame_sets = static_cast<std::size_t>(
-      std::count_if(trial.table.frame_sets.begin(), trial.table.frame_sets.end(),
-                    [](const TableFrameSet& set) { return set.observation_count > 0; }));
+      std::count_if(trial.observations.frame_sets.begin(), trial.observations.frame_sets.end(),
+                    [](const ObservedFrameSet& set) { return !set.observations.empty(); }));
   const BuiltSubMap& first = trial.built.submaps.front();
   trial.markers = evaluate_markers(first.map, *capture.truth.world_from_marker);
-  const auto poses = match_with_truth(trajectories_of(trial.table, capture, first.trajectory),
-                                      *capture.truth.world_from_rig, &capture.detected.rig);
+  const auto poses =
+      match_with_truth(trajectories_of(trial.observations, capture, first.trajectory),
+                       *capture.truth.world_from_rig, &capture.detected.rig);
   if (!poses) return tl::make_unexpected(poses.error());
   trial.cameras = evaluate_cameras(*poses, &trial.markers);
   return trial;

@@ -46,7 +46,7 @@ struct SceneCapture {
 
 /// A map beside its truth.
 struct SceneTrial {
-  ObservationTable table;  ///< with the whitening that the map was built with
+  Observations observations;
   BuildResult built;
   StageTime mapping;  ///< detections to map
   std::size_t true_markers = 0;

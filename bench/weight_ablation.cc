@@ -88,7 +88,7 @@ Status run_scene(const Options& options, const std::string& scene) {
                  papers(scene, variant.name), trial->markers.found.size(), trial->true_markers,
                  trial->built.submaps.size(), text(trial->markers.errors),
                  text(trial->cameras.errors), first.rejected, trial->cameras.found,
-                 trial->frame_sets, first.settled ? "yes" : "no", trial->mapping.wall_s);
+                 trial->frame_sets, first.converged ? "yes" : "no", trial->mapping.wall_s);
       std::fflush(stdout);
     }
   }

@@ -89,10 +89,10 @@ Command add_detect(CLI::App& app, Progress& progress) {
   return [options, &progress] { return run_detect(*options, progress, std::cout, std::cerr); };
 }
 
-void free_by_name(FreeCalibration& free, const std::string& name) {
-  if (name == "extrinsics") free.extrinsics = true;
-  if (name == "intrinsics") free.intrinsics = true;
-  if (name == "sizes") free.sizes = true;
+void vary_by_name(VariableCalibration& variable, const std::string& name) {
+  if (name == "extrinsics") variable.extrinsics = true;
+  if (name == "intrinsics") variable.intrinsics = true;
+  if (name == "sizes") variable.sizes = true;
 }
 
 Command add_build(CLI::App& app, Progress& progress) {
@@ -108,7 +108,7 @@ Command add_build(CLI::App& app, Progress& progress) {
   sub->add_option_function<std::vector<std::string>>(
          "--refine",
          [options](const std::vector<std::string>& names) {
-           for (const std::string& name : names) free_by_name(options->build.refine, name);
+           for (const std::string& name : names) vary_by_name(options->build.refine, name);
          },
          "extrinsics,intrinsics,sizes: what the images may correct")
       ->delimiter(',')
@@ -124,6 +124,11 @@ Command add_build(CLI::App& app, Progress& progress) {
       ->transform(CLI::CheckedTransformer(levels))
       ->excludes("--frame-of");
   sub->add_flag("--strict", options->strict, "several sub-maps are an error");
+  static const std::map<std::string, BundleSolver> solvers{{"own", BundleSolver::own},
+                                                           {"ceres", BundleSolver::ceres}};
+  sub->add_option("--solver", options->build.solver,
+                  "what adjusts: own (default) or ceres, slower, a second opinion")
+      ->transform(CLI::CheckedTransformer(solvers));
   add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);
   return [options, &progress] {

@@ -1,98 +1,124 @@
 #include "mapbuilder/build/map_builder.h"
 
 #include <algorithm>
-#include <deque>
 #include <set>
 
-#include "mapbuilder/growth/loose_parts.h"
+#include "mapbuilder/growth/misplaced_subgraphs.h"
+#include "mapbuilder/observations/covisibility.h"
 
 namespace waymark {
 namespace {
 
-/// Marks each observation that the finished map rests on.
-std::vector<char> accepted_and_posed(const ObservationTable& table, const MapState& state) {
-  std::vector<char> used(table.observations.size(), 0);
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    used[i] = state.accepted[i] != 0 && state.posed(table.observations[i]) ? 1 : 0;
+/// Every component grown and at rest, each in a world of its own.
+Estimate grown_components(const IncrementalMapper& mapper, Progress& progress) {
+  Estimate estimate(mapper.selection(), mapper.options().noise);
+  for (const ComponentIndex c : mapper.selection().components().indices()) {
+    estimate = mapper.grow(c, std::move(estimate), progress);
+    estimate = mapper.converge({{c}, {}}, std::move(estimate), progress).estimate;
+    estimate = move_misplaced_subgraphs(mapper, c, std::move(estimate), progress);
   }
-  return used;
+  return estimate;
 }
 
-/// The rigid parts of a finished build, those that survey points fix in the facility's world as
-/// one: what the gate rejected may have held a component together.
-std::vector<Component> parts_of(const JointBuild& build) {
-  std::vector<Component> parts;
+/// The observations that the finished map rests on.
+std::vector<ObservationIndex> mapping_observations(const Selection& selection,
+                                                   const Estimate& estimate) {
+  std::vector<ObservationIndex> mapping;
+  for (const ObservationIndex index : selection.used()) {
+    if (estimate.accepts(index) && estimate.posed(selection[index])) mapping.push_back(index);
+  }
+  return mapping;
+}
+
+template <typename Key>
+void join(std::vector<Key>& all, const std::vector<Key>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+  std::sort(all.begin(), all.end());
+}
+
+/// The connected components of a finished estimate, those that survey points fix in the facility's
+/// world as one: what the gate rejected may have held a component together.
+std::vector<Component> finished_components(const Selection& selection,
+                                           const CalibratedEstimate& calibrated) {
+  const Observations& observations = selection.observations();
+  std::vector<Component> components;
   std::optional<Component> in_facility;
-  for (Component& part :
-       connected_components(build.table(), accepted_and_posed(build.table(), build.state()))) {
-    if (!stands_in_facility(build, part)) {
-      parts.push_back(std::move(part));
+  for (Component& one :
+       connected_components(observations, mapping_observations(selection, calibrated.estimate))) {
+    if (!stands_in_facility(observations, calibrated, one)) {
+      components.push_back(std::move(one));
     } else if (!in_facility) {
-      in_facility = std::move(part);
+      in_facility = std::move(one);
     } else {
-      const auto join = [](std::vector<int>& all, const std::vector<int>& more) {
-        all.insert(all.end(), more.begin(), more.end());
-        std::sort(all.begin(), all.end());
-      };
-      join(in_facility->markers, part.markers);
-      join(in_facility->frame_sets, part.frame_sets);
+      join(in_facility->markers, one.markers);
+      join(in_facility->frame_sets, one.frame_sets);
     }
   }
-  if (in_facility) parts.push_back(*std::move(in_facility));
-  return parts;
+  if (in_facility) components.push_back(*std::move(in_facility));
+  return components;
+}
+
+/// By falling marker count, then first marker.
+void sort_submaps(std::vector<BuiltSubMap>& submaps) {
+  std::stable_sort(submaps.begin(), submaps.end(), [](const BuiltSubMap& a, const BuiltSubMap& b) {
+    if (a.map.markers.size() != b.map.markers.size()) {
+      return a.map.markers.size() > b.map.markers.size();
+    }
+    return a.map.markers.front().id < b.map.markers.front().id;
+  });
+}
+
+/// What no sub-map holds.
+void take_what_is_left(const Selection& selection, std::span<const Component> mapped,
+                       BuildResult& result) {
+  const Observations& observations = selection.observations();
+  std::set<MarkerIndex> markers;
+  std::set<FrameSetIndex> frame_sets;
+  for (const Component& component : mapped) {
+    markers.insert(component.markers.begin(), component.markers.end());
+    frame_sets.insert(component.frame_sets.begin(), component.frame_sets.end());
+  }
+  for (const MarkerIndex m : observations.markers.indices()) {
+    if (!markers.contains(m)) result.unmapped.push_back(observations.markers[m]);
+  }
+  for (const FrameSetIndex f : observations.frame_sets.indices()) {
+    if (selection.used_in(f).empty()) {
+      result.without_markers.push_back(f);
+    } else if (!frame_sets.contains(f)) {
+      result.unlocalized.push_back(f);
+    }
+  }
+}
+
+/// The map file's content.
+MarkerMap map_of(const Observations& observations, const std::vector<BuiltSubMap>& submaps) {
+  MarkerMap map;
+  map.builder_version = WAYMARK_VERSION;
+  for (const ObservedCapture& capture : observations.captures) {
+    map.capture_fingerprints.push_back(capture.fingerprint);
+  }
+  std::sort(map.capture_fingerprints.begin(), map.capture_fingerprints.end());
+  map.rig_fingerprint = observations.rig_fingerprint;
+  for (const BuiltSubMap& submap : submaps) map.submaps.push_back(submap.map);
+  return map;
 }
 
 }  // namespace
 
-BuildResult build_map(ObservationTable& table, const BuildOptions& options, Progress& progress) {
+BuildResult build_map(const Selection& selection, const BuildOptions& options, Progress& progress) {
+  const IncrementalMapper mapper(selection, options);
+  CalibratedEstimate calibrated =
+      calibrate(mapper, options, grown_components(mapper, progress), progress);
+  const std::vector<Component> components = finished_components(selection, calibrated);
   BuildResult result;
-  result.map.builder_version = WAYMARK_VERSION;
-  result.map.capture_fingerprints = table.capture_fingerprints;
-  std::sort(result.map.capture_fingerprints.begin(), result.map.capture_fingerprints.end());
-  result.map.rig_fingerprint = table.rig_fingerprint;
-
-  MapState state(table);
-  const std::vector<Component> components =
-      connected_components(table, std::vector<char>(table.observations.size(), 1));
-  std::deque<ComponentGrowth> growths;
-  std::vector<ComponentGrowth*> all;
   for (const Component& component : components) {
-    all.push_back(&growths.emplace_back(table, component, options));
-    all.back()->grow(state, progress);
-    JointBuild alone(table, {all.back()}, options, progress, state);
-    alone.settle();
-    rehang_loose_parts(alone);
+    result.submaps.push_back(built_submap_of(mapper, calibrated, options, component));
   }
-  std::set<int> mapped;
-  std::set<int> localized;
-  if (!all.empty()) {
-    JointBuild build(table, all, options, progress, state);
-    result.calibration = calibrate(build);
-    for (const Component& part : parts_of(build)) {
-      result.submaps.push_back(describe(build, part));
-      mapped.insert(part.markers.begin(), part.markers.end());
-      localized.insert(part.frame_sets.begin(), part.frame_sets.end());
-    }
-  }
-  std::stable_sort(result.submaps.begin(), result.submaps.end(),
-                   [](const BuiltSubMap& a, const BuiltSubMap& b) {
-                     if (a.map.markers.size() != b.map.markers.size()) {
-                       return a.map.markers.size() > b.map.markers.size();
-                     }
-                     return a.map.markers.front().id < b.map.markers.front().id;
-                   });
-  for (const BuiltSubMap& submap : result.submaps) result.map.submaps.push_back(submap.map);
-
-  for (std::size_t m = 0; m < table.markers.size(); ++m) {
-    if (!mapped.contains(static_cast<int>(m))) result.unmapped.push_back(table.markers[m]);
-  }
-  for (std::size_t f = 0; f < table.frame_sets.size(); ++f) {
-    if (table.frame_sets[f].observation_count == 0) {
-      result.without_markers.push_back(static_cast<int>(f));
-    } else if (!localized.contains(static_cast<int>(f))) {
-      result.unlocalized.push_back(static_cast<int>(f));
-    }
-  }
+  sort_submaps(result.submaps);
+  result.map = map_of(selection.observations(), result.submaps);
+  take_what_is_left(selection, components, result);
+  result.calibration = std::move(calibrated.calibration);
+  result.estimate = std::move(calibrated.estimate);
   return result;
 }
 

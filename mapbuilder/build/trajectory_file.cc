@@ -26,19 +26,20 @@ Status write_poses(const std::filesystem::path& path, StampedPoses poses) {
 }  // namespace
 
 Status write_trajectory(const std::filesystem::path& path, std::size_t submap,
-                        const ObservationTable& table,
+                        const Observations& observations,
                         const std::vector<LocalizedFrameSet>& trajectory) {
-  std::vector<std::map<int, StampedPoses>> by_capture(table.capture_names.size());  // by camera
+  using ByCamera = std::map<std::optional<int>, StampedPoses>;
+  IndexedVector<CaptureIndex, ByCamera> by_capture(observations.captures.size());
   for (const LocalizedFrameSet& localized : trajectory) {
-    const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(localized.frame_set)];
-    by_capture[static_cast<std::size_t>(set.capture)][set.camera].emplace_back(
-        set.stamp, localized.world_from_rig);
+    const ObservedFrameSet& set = observations.frame_sets[localized.frame_set];
+    by_capture[set.capture][set.mono_camera].emplace_back(set.stamp, localized.world_from_rig);
   }
-  for (std::size_t c = 0; c < by_capture.size(); ++c) {
-    const auto file = path_of_submap(path_of_capture(path, table.capture_places[c]), submap);
-    if (by_capture[c].empty()) by_capture[c][-1];  // an empty trajectory is said by an empty file
+  for (const CaptureIndex c : by_capture.indices()) {
+    const auto file = path_of_submap(path_of_capture(path, observations.captures[c].place), submap);
+    // An empty trajectory is said by an empty file.
+    if (by_capture[c].empty()) by_capture[c][std::nullopt];
     for (auto& [camera, poses] : by_capture[c]) {
-      const auto own = camera >= 0 ? path_of_camera(file, fmt::format("cam{}", camera)) : file;
+      const auto own = camera ? path_of_camera(file, fmt::format("cam{}", *camera)) : file;
       if (auto written = write_poses(own, std::move(poses)); !written) return written;
     }
   }

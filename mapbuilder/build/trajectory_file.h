@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "mapbuilder/build/map_builder.h"
+#include "mapbuilder/growth/localized_frame_set.h"
 
 namespace waymark {
 
@@ -15,7 +15,7 @@ namespace waymark {
 /// `stem.capture1.1.tum`…, and so on; one without a pose an empty one. Errors of
 /// write_file_atomically.
 [[nodiscard]] Status write_trajectory(const std::filesystem::path& path, std::size_t submap,
-                                      const ObservationTable& table,
+                                      const Observations& observations,
                                       const std::vector<LocalizedFrameSet>& trajectory);
 
 }  // namespace waymark

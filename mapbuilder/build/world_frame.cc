@@ -60,12 +60,13 @@ double misfit(const std::vector<CommonMarker>& common, const Rigid3& old_from_ne
 
 }  // namespace
 
-Eigen::Vector3d camera_up_in_world(const BuiltSubMap& submap, const ObservationTable& table) {
+Eigen::Vector3d camera_up_in_world(const BuiltSubMap& submap, const Observations& observations,
+                                   const Calibration& calibration) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   double count = 0;
   for (const LocalizedFrameSet& localized : submap.trajectory) {
-    const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(localized.frame_set)];
-    for (const RigCamera& camera : table.rigs[static_cast<std::size_t>(set.rig)].cameras) {
+    const RigIndex rig = observations.frame_sets[localized.frame_set].rig;
+    for (const RigCamera& camera : calibration.rigs[rig].cameras) {
       sum -= localized.world_from_rig.rotation *
              (camera.rig_from_cam.rotation * Eigen::Vector3d::UnitY());
       count += 1;

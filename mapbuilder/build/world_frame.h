@@ -4,7 +4,7 @@
 #include <set>
 #include <vector>
 
-#include "mapbuilder/build/map_builder.h"
+#include "mapbuilder/build/built_submap.h"
 
 namespace waymark {
 
@@ -14,7 +14,8 @@ void move_world(BuiltSubMap& submap, const Rigid3& new_from_old);
 /// Mean of the cameras' upward image directions (−y) in the world over the trajectory; its length
 /// is 1 when they never turned over and 0 when they looked everywhere, or there is no trajectory.
 [[nodiscard]] Eigen::Vector3d camera_up_in_world(const BuiltSubMap& submap,
-                                                 const ObservationTable& table);
+                                                 const Observations& observations,
+                                                 const Calibration& calibration);
 
 /// What tells where up is.
 enum class LevelBy {

@@ -10,17 +10,18 @@ constexpr std::size_t kNever = std::numeric_limits<std::size_t>::max();
 
 }  // namespace
 
-AcceptedGraph::AcceptedGraph(const ObservationTable& table,
-                             const std::vector<std::size_t>& observations, const MapState& state)
-    : markers_(table.markers.size()), neighbours_(markers_ + table.frame_sets.size()) {
+AcceptedGraph::AcceptedGraph(const Observations& all,
+                             std::span<const ObservationIndex> observations,
+                             const Estimate& estimate)
+    : markers_(all.markers.size()), neighbours_(markers_ + all.frame_sets.size()) {
   std::vector<char> is_posed(neighbours_.size(), 0);
-  for (const std::size_t index : observations) {
-    const TableObservation& o = table.observations[index];
-    if (!state.posed(o)) continue;
-    const std::size_t marker = vertex_of_marker(o.marker);
-    const std::size_t frame_set = vertex_of_frame_set(o.frame_set);
+  for (const ObservationIndex index : observations) {
+    const Observation& o = all[index];
+    if (!estimate.posed(o)) continue;
+    const std::size_t marker = vertex_of(o.marker);
+    const std::size_t frame_set = vertex_of(o.frame_set);
     is_posed[marker] = is_posed[frame_set] = 1;
-    if (state.accepted[index] == 0) continue;
+    if (!estimate.accepts(index)) continue;
     neighbours_[marker].push_back(frame_set);
     neighbours_[frame_set].push_back(marker);
   }
@@ -36,7 +37,7 @@ DepthFirstWalk::DepthFirstWalk(const AcceptedGraph& graph, std::size_t anchor)
     if (entered_[vertex] != kNever) continue;
     const std::size_t first = order_.size();
     walk(vertex);
-    spans_.push_back({first, order_.size() - 1, -1});
+    spans_.push_back({first, order_.size() - 1, std::nullopt});
   }
 }
 
@@ -75,18 +76,22 @@ void DepthFirstWalk::walk(std::size_t root) {
     // A root that is a marker has nothing above it to hang on.
     if (graph_.is_marker(done.parent) && done.parent != root &&
         lowest_[done.vertex] >= entered_[done.parent]) {
-      spans_.push_back({entered_[done.vertex], order_.size() - 1, graph_.index_of(done.parent)});
+      spans_.push_back({entered_[done.vertex], order_.size() - 1, graph_.marker_of(done.parent)});
     }
   }
 }
 
 Component DepthFirstWalk::vertices_of(const HingedSpan& span) const {
-  Component part;
+  Component span_vertices;
   for (std::size_t moment = span.first; moment <= span.last; ++moment) {
     const std::size_t vertex = order_[moment];
-    (graph_.is_marker(vertex) ? part.markers : part.frame_sets).push_back(graph_.index_of(vertex));
+    if (graph_.is_marker(vertex)) {
+      span_vertices.markers.push_back(graph_.marker_of(vertex));
+    } else {
+      span_vertices.frame_sets.push_back(graph_.frame_set_of(vertex));
+    }
   }
-  return part;
+  return span_vertices;
 }
 
 }  // namespace waymark

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
-#include "mapbuilder/bundle/map_state.h"
+#include "mapbuilder/bundle/estimate.h"
 
 namespace waymark {
 
@@ -10,20 +12,18 @@ namespace waymark {
 /// them as its edges. Markers come first.
 class AcceptedGraph {
  public:
-  /// Of the given observations (table indices).
-  AcceptedGraph(const ObservationTable& table, const std::vector<std::size_t>& observations,
-                const MapState& state);
+  /// Of the given observations.
+  AcceptedGraph(const Observations& all, std::span<const ObservationIndex> observations,
+                const Estimate& estimate);
 
-  [[nodiscard]] std::size_t vertex_of_marker(int marker) const {
-    return static_cast<std::size_t>(marker);
-  }
-  [[nodiscard]] std::size_t vertex_of_frame_set(int frame_set) const {
-    return markers_ + static_cast<std::size_t>(frame_set);
+  [[nodiscard]] std::size_t vertex_of(MarkerIndex marker) const { return marker.value(); }
+  [[nodiscard]] std::size_t vertex_of(FrameSetIndex frame_set) const {
+    return markers_ + frame_set.value();
   }
   [[nodiscard]] bool is_marker(std::size_t vertex) const { return vertex < markers_; }
-  /// Table index of the marker or frame set.
-  [[nodiscard]] int index_of(std::size_t vertex) const {
-    return static_cast<int>(is_marker(vertex) ? vertex : vertex - markers_);
+  [[nodiscard]] MarkerIndex marker_of(std::size_t vertex) const { return MarkerIndex(vertex); }
+  [[nodiscard]] FrameSetIndex frame_set_of(std::size_t vertex) const {
+    return FrameSetIndex(vertex - markers_);
   }
   [[nodiscard]] std::size_t size() const { return neighbours_.size(); }
   /// Vertices with a pose, rising.
@@ -41,9 +41,9 @@ class AcceptedGraph {
 /// Vertices that a depth-first walk entered one after the other: a subtree that hangs on the rest
 /// by one marker, or by nothing.
 struct HingedSpan {
-  std::size_t first = 0;  ///< moment of entry
-  std::size_t last = 0;   ///< inclusive
-  int hinge = -1;         ///< table index of the marker; −1: none
+  std::size_t first = 0;             ///< moment of entry
+  std::size_t last = 0;              ///< inclusive
+  std::optional<MarkerIndex> hinge;  ///< the marker it hangs on
 };
 
 /// A depth-first walk from an anchor, then from what it does not reach. Whatever one marker alone

@@ -21,4 +21,10 @@ std::array<Eigen::Vector2d, 4> outward_of(const ImageCorners& corners) {
   return outward;
 }
 
+void move_edges_in(double bias_px, ImageCorners& corners) {
+  if (bias_px == 0.0) return;
+  const auto outward = outward_of(corners);
+  for (std::size_t i = 0; i < 4; ++i) corners[i] -= bias_px * outward[i];
+}
+
 }  // namespace waymark

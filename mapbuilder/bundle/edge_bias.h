@@ -11,4 +11,7 @@ namespace waymark {
 /// alike.
 [[nodiscard]] std::array<Eigen::Vector2d, 4> outward_of(const ImageCorners& corners);
 
+/// Moves all four edges in by `bias_px`.
+void move_edges_in(double bias_px, ImageCorners& corners);
+
 }  // namespace waymark

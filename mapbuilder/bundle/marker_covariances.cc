@@ -41,22 +41,20 @@ int best_known(const BlockMatrix& information, int markers) {
 
 }  // namespace
 
-MarkerInformation marker_information(const ObservationTable& table,
-                                     std::span<const std::size_t> observations,
-                                     const ObservationLoss& loss, const AdjustmentScope& scope,
-                                     int threads, const MapState& state) {
-  std::vector<std::size_t> used;
-  for (const std::size_t index : observations) {
-    if (state.accepted[index] != 0 && state.posed(table.observations[index])) used.push_back(index);
+MarkerInformation marker_information(const BundleProblem& problem, const Estimate& estimate,
+                                     int threads) {
+  const Observations& all = problem.prepared->observations();
+  std::vector<ObservationIndex> used;
+  for (const ObservationIndex index : problem.observations) {
+    if (estimate.accepts(index) && estimate.posed(all[index])) used.push_back(index);
   }
-  JointProblem problem(table, used, state, {}, scope.free, loss, threads);
-  const auto factors = factors_of(scope, table, problem);
-  for (const auto& factor : factors) problem.add(*factor);
+  ReducedProblem reduced(problem, used, {}, estimate, threads);
   MarkerInformation result;
-  result.information = problem.reduce(problem.start(), 0.0).information;
-  result.markers = problem.markers();
-  result.world_is_fixed = !result.markers.empty() && scope.in_facility(result.markers.front());
-  result.world_from_marker = problem.start().world_from_marker;
+  result.information = reduced.reduce(reduced.start(), 0.0).information;
+  result.markers = reduced.markers();
+  result.world_is_fixed =
+      !result.markers.empty() && problem.scope.in_facility(result.markers.front());
+  result.world_from_marker = reduced.start().world_from_marker;
   return result;
 }
 

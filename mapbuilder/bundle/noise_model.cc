@@ -4,6 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "mapbuilder/bundle/estimate.h"
+#include "mapbuilder/bundle/prepared_observations.h"
+
 namespace waymark {
 namespace {
 
@@ -14,8 +17,8 @@ constexpr double kQuantile = 0.9;
 /// In sigmas of the median: farther off is a gross error, as long as these are fewer than half.
 constexpr double kGrossSigmas = 20.0;
 
-Eigen::Matrix2d corner_covariance(const TableObservation& o, std::size_t corner,
-                                  const NoiseModel& noise, double paper_weight) {
+Eigen::Matrix2d corner_covariance(const Observation& o, std::size_t corner, const NoiseModel& noise,
+                                  double paper_weight) {
   const double variance = noise.model_sigma_px * noise.model_sigma_px;
   const Eigen::Matrix2d model = variance * Eigen::Matrix2d::Identity();
   switch (noise.weighting) {
@@ -29,49 +32,43 @@ Eigen::Matrix2d corner_covariance(const TableObservation& o, std::size_t corner,
   return model;
 }
 
-double paper_weight(const TableObservation& o, const NoiseModel& noise) {
-  return noise.weighting == Weighting::paper && o.ippe ? observation_weight(*o.ippe, noise.paper)
-                                                       : 1.0;
-}
-
-void whiten(TableObservation& o, const NoiseModel& noise) {
-  const double weight = paper_weight(o, noise);
-  for (std::size_t i = 0; i < 4; ++i) {
-    o.whitening[i] = whitening_from_covariance(corner_covariance(o, i, noise, weight));
-  }
+double paper_weight(const std::optional<IppeSolutions>& ippe, const NoiseModel& noise) {
+  return noise.weighting == Weighting::paper && ippe ? observation_weight(*ippe, noise.paper) : 1.0;
 }
 
 }  // namespace
 
-void set_whitening(ObservationTable& table, const NoiseModel& noise) {
-  for (auto* observations : {&table.observations, &table.repeated}) {
-    for (TableObservation& o : *observations) whiten(o, noise);
+std::array<Eigen::Matrix2d, 4> whitening_of(const Observation& o,
+                                            const std::optional<IppeSolutions>& ippe,
+                                            const NoiseModel& noise) {
+  const double weight = paper_weight(ippe, noise);
+  std::array<Eigen::Matrix2d, 4> whitening;
+  for (std::size_t i = 0; i < 4; ++i) {
+    whitening[i] = whitening_from_covariance(corner_covariance(o, i, noise, weight));
   }
+  return whitening;
 }
 
-void set_whitening(ObservationTable& table, std::span<const std::size_t> observations,
-                   const NoiseModel& noise) {
-  for (const std::size_t index : observations) whiten(table.observations[index], noise);
-}
-
-double estimate_model_sigma_px(const ObservationTable& table, const MapState& state,
-                               std::span<const std::size_t> observations, const NoiseModel& noise,
-                               double parameter_share) {
+double estimate_model_sigma_px(const PreparedObservations& prepared, const Estimate& estimate,
+                               std::span<const ObservationIndex> observations,
+                               const NoiseModel& noise, double parameter_share) {
+  const Observations& all = prepared.observations();
   struct CornerSample {
     Eigen::Vector2d residual;
-    std::size_t observation;
+    ObservationIndex observation;
     std::size_t corner;
     double weight;
   };
   std::vector<CornerSample> samples;
   samples.reserve(4 * observations.size());
-  for (const std::size_t index : observations) {
-    const TableObservation& o = table.observations[index];
+  for (const ObservationIndex index : observations) {
+    const Observation& o = all[index];
     const auto residuals =
-        corner_residuals(o, camera_of(table, o).model, cam_from_marker(table, state, o));
+        corner_residuals(prepared[index], estimate.calibration.camera(all, o).model,
+                         cam_from_marker(all, estimate, o));
     if (!residuals) continue;
     for (std::size_t i = 0; i < 4; ++i) {
-      samples.push_back({(*residuals)[i], index, i, paper_weight(o, noise)});
+      samples.push_back({(*residuals)[i], index, i, paper_weight(prepared[index].ippe, noise)});
     }
   }
   if (samples.empty()) return noise.model_sigma_px;
@@ -80,9 +77,9 @@ double estimate_model_sigma_px(const ObservationTable& table, const MapState& st
   const auto squared_at = [&](const CornerSample& s, double sigma_px) {
     NoiseModel trial = noise;
     trial.model_sigma_px = sigma_px;
-    const TableObservation& o = table.observations[s.observation];
-    return (whitening_from_covariance(corner_covariance(o, s.corner, trial, s.weight)) * s.residual)
-        .squaredNorm();
+    const Eigen::Matrix2d covariance =
+        corner_covariance(all[s.observation], s.corner, trial, s.weight);
+    return (whitening_from_covariance(covariance) * s.residual).squaredNorm();
   };
   std::vector<double> squared;
   // Sigma at which the samples' `quantile` is what Gaussian noise would give: it falls as sigma

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <array>
 #include <span>
 
+#include "core/estimate/marker_observation.h"
 #include "core/estimate/observation_weight.h"
-#include "mapbuilder/bundle/map_state.h"
+#include "mapbuilder/observations/observations.h"
 
 namespace waymark {
+
+struct Estimate;
+class PreparedObservations;
 
 /// What weighs an observation against another.
 enum class Weighting {
@@ -32,19 +37,19 @@ inline constexpr double kSmallestModelSigma = 0.002;
 inline constexpr double kLargestModelSigma = 20.0;
 inline constexpr double kLargestModelSigmaOfOneCamera = 3.0;
 
-/// Writes every observation's whitening.
-void set_whitening(ObservationTable& table, const NoiseModel& noise);
-/// The same of the given ones alone.
-void set_whitening(ObservationTable& table, std::span<const std::size_t> observations,
-                   const NoiseModel& noise);
+/// Whitening of the four corners of an observation with these IPPE solutions.
+[[nodiscard]] std::array<Eigen::Matrix2d, 4> whitening_of(const Observation& o,
+                                                          const std::optional<IppeSolutions>& ippe,
+                                                          const NoiseModel& noise);
 
 /// σ_model at which the 90 % quantile of the squared corner residuals (2 degrees of freedom) in
 /// sigmas is what Gaussian noise would give (−2 ln 0.1), corrected for `parameter_share`: the
 /// number of estimated parameters per residual component, in [0, 1). Corners that are 20 times
 /// farther off than the median tells are left out, so up to half may be wrong. Looks at the given
 /// observations (both ends posed); without any: the noise model's own value.
-[[nodiscard]] double estimate_model_sigma_px(const ObservationTable& table, const MapState& state,
-                                             std::span<const std::size_t> observations,
+[[nodiscard]] double estimate_model_sigma_px(const PreparedObservations& prepared,
+                                             const Estimate& estimate,
+                                             std::span<const ObservationIndex> observations,
                                              const NoiseModel& noise, double parameter_share);
 
 }  // namespace waymark

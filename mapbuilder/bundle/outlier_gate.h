@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "mapbuilder/bundle/map_state.h"
+#include "mapbuilder/bundle/prepared_observations.h"
 
 namespace waymark {
 
@@ -16,10 +16,17 @@ struct GateOptions {
   double reject_sigmas = 20.0;
 };
 
-/// Judges each of the observations against the present poses: rejects those beyond the gate,
+/// What the gate makes of an estimate.
+struct GatedEstimate {
+  Estimate estimate;
+  std::size_t changed = 0;  ///< observations that were rejected or re-admitted
+};
+
+/// Judges each of the observations against the estimate's poses: rejects those beyond the gate,
 /// re-admits those that fit again (the poses may have been wrong before). Observations without both
-/// ends posed stay as they are. Returns how many changed.
-std::size_t update_gate(const ObservationTable& table, std::span<const std::size_t> observations,
-                        const GateOptions& options, MapState& state);
+/// ends posed stay as they are.
+[[nodiscard]] GatedEstimate gate_outliers(const PreparedObservations& prepared,
+                                          std::span<const ObservationIndex> observations,
+                                          const GateOptions& options, Estimate estimate);
 
 }  // namespace waymark

@@ -16,45 +16,46 @@ Eigen::Vector3d x_in_marker(const MarkerPlace& place, double size_m) {
   return marker_corners(size_m)[static_cast<std::size_t>(*place.corner)];
 }
 
-std::optional<int> index_of(const ObservationTable& table, const MarkerId& marker) {
-  const auto at = std::lower_bound(table.markers.begin(), table.markers.end(), marker);
-  if (at == table.markers.end() || *at != marker) return std::nullopt;
-  return static_cast<int>(at - table.markers.begin());
+std::optional<MarkerIndex> index_of(const Observations& observations, const MarkerId& marker) {
+  const auto& markers = observations.markers.values();
+  const auto at = std::lower_bound(markers.begin(), markers.end(), marker);
+  if (at == markers.end() || *at != marker) return std::nullopt;
+  return MarkerIndex(static_cast<std::size_t>(at - markers.begin()));
 }
 
 /// The place in the world; nullopt when its marker has no pose.
-std::optional<Eigen::Vector3d> x_in_world(const MarkerPlace& place, const ObservationTable& table,
+std::optional<Eigen::Vector3d> x_in_world(const MarkerPlace& place,
+                                          const Observations& observations,
+                                          const Calibration& calibration,
                                           const MarkerPoses& world_from_marker) {
-  const auto index = index_of(table, place.marker);
-  if (!index) return std::nullopt;
-  const auto m = static_cast<std::size_t>(*index);
-  if (!world_from_marker[m]) return std::nullopt;
-  return *world_from_marker[m] * x_in_marker(place, table.sizes_m[m]);
+  const auto m = index_of(observations, place.marker);
+  if (!m || !world_from_marker[*m]) return std::nullopt;
+  return *world_from_marker[*m] * x_in_marker(place, calibration.sizes_m[*m]);
 }
 
-/// A place within a joint problem: where it stands and how it moves with the kept blocks.
+/// A place within a joint problem: where it stands and how it moves.
 struct PlaceInProblem {
-  int slot = 0;
-  int size_class = 0;
+  int block = 0;
+  SizeClassIndex size_class;
   int size_block = -1;
   Eigen::Vector3d x_in_marker;  ///< at size factor 1
 
-  [[nodiscard]] Eigen::Vector3d at(const JointUnknowns& unknowns) const {
-    const double factor = unknowns.size_factor[static_cast<std::size_t>(size_class)];
-    return unknowns.world_from_marker[static_cast<std::size_t>(slot)] * (factor * x_in_marker);
+  [[nodiscard]] Eigen::Vector3d at(const BundleVariables& variables) const {
+    const double factor = variables.size_factor[size_class];
+    return variables.world_from_marker[static_cast<std::size_t>(block)] * (factor * x_in_marker);
   }
 
-  /// Adds d (direction · x_in_world) / d kept blocks.
-  void add_parts(const JointUnknowns& unknowns,
+  /// Adds d (direction · x_in_world) / d the blocks.
+  void add_parts(const BundleVariables& variables,
                  const Eigen::Matrix<double, Eigen::Dynamic, 3>& direction,
-                 KeptLinearization& to) const {
-    const Rigid3& pose = unknowns.world_from_marker[static_cast<std::size_t>(slot)];
-    const double factor = unknowns.size_factor[static_cast<std::size_t>(size_class)];
+                 FactorLinearization& to) const {
+    const Rigid3& pose = variables.world_from_marker[static_cast<std::size_t>(block)];
+    const double factor = variables.size_factor[size_class];
     const Eigen::Vector3d turned = pose.rotation * x_in_marker;
     Eigen::Matrix<double, Eigen::Dynamic, 6> by_pose(direction.rows(), 6);
     by_pose.leftCols<3>() = direction;
     by_pose.rightCols<3>() = -direction * skew(factor * turned);
-    to.parts.push_back({slot, by_pose});
+    to.parts.push_back({block, by_pose});
     if (size_block >= 0) {
       Eigen::Matrix<double, Eigen::Dynamic, 6> by_size(direction.rows(), 6);
       by_size.setZero();
@@ -64,7 +65,7 @@ struct PlaceInProblem {
   }
 
   void add_blocks(std::vector<int>& blocks) const {
-    blocks.push_back(slot);
+    blocks.push_back(block);
     if (size_block >= 0) blocks.push_back(size_block);
   }
 };
@@ -75,22 +76,21 @@ std::vector<int> rising(std::vector<int> blocks) {
   return blocks;
 }
 
-std::optional<PlaceInProblem> place_in(const JointProblem& problem, const ObservationTable& table,
-                                       const MarkerPlace& place) {
-  const auto index = index_of(table, place.marker);
-  if (!index) return std::nullopt;
-  const auto slot = problem.free_marker_slot(*index);
-  if (!slot) return std::nullopt;
-  const auto m = static_cast<std::size_t>(*index);
+std::optional<PlaceInProblem> place_in(const ReducedProblem& problem,
+                                       const Observations& observations,
+                                       const Calibration& calibration, const MarkerPlace& place) {
+  const auto m = index_of(observations, place.marker);
+  const auto block = m ? problem.block_of(*m) : std::nullopt;
+  if (!block) return std::nullopt;
   PlaceInProblem result;
-  result.slot = *slot;
-  result.size_class = problem.size_class_of(*index);
-  result.size_block = problem.layout().size[static_cast<std::size_t>(result.size_class)];
-  result.x_in_marker = x_in_marker(place, table.sizes_m[m]);
+  result.block = *block;
+  result.size_class = problem.size_class_of(*m);
+  result.size_block = problem.layout().size[result.size_class];
+  result.x_in_marker = x_in_marker(place, calibration.sizes_m[*m]);
   return result;
 }
 
-class PointFactor : public KeptFactor {
+class PointFactor : public BundleFactor {
  public:
   PointFactor(PlaceInProblem place, const SurveyedPoint& entry) : place_(place), entry_(entry) {}
   [[nodiscard]] std::vector<int> blocks() const override {
@@ -98,8 +98,8 @@ class PointFactor : public KeptFactor {
     place_.add_blocks(all);
     return rising(all);
   }
-  [[nodiscard]] KeptLinearization linearize(const JointUnknowns& at) const override {
-    KeptLinearization result;
+  [[nodiscard]] FactorLinearization linearize(const BundleVariables& at) const override {
+    FactorLinearization result;
     result.residual = (place_.at(at) - entry_.position_m) / entry_.sigma_m;
     place_.add_parts(at, Eigen::Matrix3d::Identity() / entry_.sigma_m, result);
     return result;
@@ -110,7 +110,7 @@ class PointFactor : public KeptFactor {
   SurveyedPoint entry_;
 };
 
-class DistanceFactor : public KeptFactor {
+class DistanceFactor : public BundleFactor {
  public:
   DistanceFactor(PlaceInProblem from, PlaceInProblem to, const SurveyedDistance& entry)
       : from_(from), to_(to), entry_(entry) {}
@@ -120,10 +120,10 @@ class DistanceFactor : public KeptFactor {
     to_.add_blocks(all);
     return rising(all);
   }
-  [[nodiscard]] KeptLinearization linearize(const JointUnknowns& at) const override {
+  [[nodiscard]] FactorLinearization linearize(const BundleVariables& at) const override {
     const Eigen::Vector3d apart = to_.at(at) - from_.at(at);
     const double length_m = apart.norm();
-    KeptLinearization result;
+    FactorLinearization result;
     result.residual.resize(1);
     result.residual[0] = (length_m - entry_.distance_m) / entry_.sigma_m;
     const Eigen::RowVector3d direction =
@@ -140,9 +140,9 @@ class DistanceFactor : public KeptFactor {
 };
 
 /// A scalar of the calibration, row 0 of its block, near an expected value.
-class ScalarPrior : public KeptFactor {
+class ScalarPrior : public BundleFactor {
  public:
-  using Value = std::function<double(const JointUnknowns&)>;
+  using Value = std::function<double(const BundleVariables&)>;
   /// `slope`: d value / d the block's row 0.
   ScalarPrior(int block, Value value, double slope, double expected, double sigma)
       : block_(block),
@@ -151,8 +151,8 @@ class ScalarPrior : public KeptFactor {
         expected_(expected),
         sigma_(sigma) {}
   [[nodiscard]] std::vector<int> blocks() const override { return {block_}; }
-  [[nodiscard]] KeptLinearization linearize(const JointUnknowns& at) const override {
-    KeptLinearization result;
+  [[nodiscard]] FactorLinearization linearize(const BundleVariables& at) const override {
+    FactorLinearization result;
     result.residual.resize(1);
     result.residual[0] = (value_(at) - expected_) / sigma_;
     Eigen::Matrix<double, Eigen::Dynamic, 6> derivative(1, 6);
@@ -172,37 +172,37 @@ class ScalarPrior : public KeptFactor {
 
 }  // namespace
 
-MarkerPoses poses_of(const Component& component, const MapState& state) {
-  MarkerPoses poses(state.world_from_marker.size());
-  for (const int marker : component.markers) {
-    const auto m = static_cast<std::size_t>(marker);
-    poses[m] = state.world_from_marker[m];
-  }
+MarkerPoses poses_of(const Component& component, const Estimate& estimate) {
+  MarkerPoses poses(estimate.world_from_marker.size());
+  for (const MarkerIndex m : component.markers) poses[m] = estimate.world_from_marker[m];
   return poses;
 }
 
-SurveyReach reach_of(const Survey& survey, const ObservationTable& table,
-                     const MarkerPoses& world_from_marker) {
+SurveyReach reach_of(const Survey& survey, const Observations& observations,
+                     const Calibration& calibration, const MarkerPoses& world_from_marker) {
   SurveyReach reach;
   for (const SurveyedDistance& distance : survey.distances) {
-    if (distance.use == SurveyUse::fit && x_in_world(distance.from, table, world_from_marker) &&
-        x_in_world(distance.to, table, world_from_marker)) {
+    if (distance.use == SurveyUse::fit &&
+        x_in_world(distance.from, observations, calibration, world_from_marker) &&
+        x_in_world(distance.to, observations, calibration, world_from_marker)) {
       reach.scale = true;
     }
   }
-  reach.frame = facility_from_world(survey, table, world_from_marker).has_value();
+  reach.frame =
+      facility_from_world(survey, observations, calibration, world_from_marker).has_value();
   reach.scale = reach.scale || reach.frame;
   return reach;
 }
 
-std::optional<Rigid3> facility_from_world(const Survey& survey, const ObservationTable& table,
+std::optional<Rigid3> facility_from_world(const Survey& survey, const Observations& observations,
+                                          const Calibration& calibration,
                                           const MarkerPoses& world_from_marker) {
   std::vector<Eigen::Vector3d> in_world;
   std::vector<Eigen::Vector3d> in_facility;
   std::set<MarkerId> markers;
   for (const SurveyedPoint& point : survey.points) {
     if (point.use != SurveyUse::fit) continue;
-    const auto x = x_in_world(point.place, table, world_from_marker);
+    const auto x = x_in_world(point.place, observations, calibration, world_from_marker);
     if (!x) continue;
     in_world.push_back(*x);
     in_facility.push_back(point.position_m);
@@ -214,20 +214,18 @@ std::optional<Rigid3> facility_from_world(const Survey& survey, const Observatio
   return aligned->motion;
 }
 
-std::vector<std::unique_ptr<KeptFactor>> survey_factors(const Survey& survey,
-                                                        const ObservationTable& table,
-                                                        const JointProblem& problem,
-                                                        const std::vector<int>& world_of_marker) {
-  constexpr int kOneWorld = kFacilityWorld + 1;
+std::vector<std::unique_ptr<BundleFactor>> survey_factors(
+    const Survey& survey, const Observations& observations, const Calibration& calibration,
+    const ReducedProblem& problem, const IndexedVector<MarkerIndex, WorldIndex>& world_of_marker) {
+  constexpr WorldIndex kOneWorld(kFacilityWorld.value() + 1);
   const auto world_of = [&](const MarkerPlace& place) {
-    const auto index = index_of(table, place.marker);
-    if (!index || world_of_marker.empty()) return kOneWorld;
-    return world_of_marker[static_cast<std::size_t>(*index)];
+    const auto index = index_of(observations, place.marker);
+    return !index || world_of_marker.empty() ? kOneWorld : world_of_marker[*index];
   };
-  std::vector<std::unique_ptr<KeptFactor>> factors;
+  std::vector<std::unique_ptr<BundleFactor>> factors;
   for (const SurveyedPoint& point : survey.points) {
     if (point.use != SurveyUse::fit || world_of(point.place) != kFacilityWorld) continue;
-    if (const auto place = place_in(problem, table, point.place)) {
+    if (const auto place = place_in(problem, observations, calibration, point.place)) {
       factors.push_back(std::make_unique<PointFactor>(*place, point));
     }
   }
@@ -235,34 +233,38 @@ std::vector<std::unique_ptr<KeptFactor>> survey_factors(const Survey& survey,
     if (distance.use != SurveyUse::fit || world_of(distance.from) != world_of(distance.to)) {
       continue;
     }
-    const auto from = place_in(problem, table, distance.from);
-    const auto to = place_in(problem, table, distance.to);
+    const auto from = place_in(problem, observations, calibration, distance.from);
+    const auto to = place_in(problem, observations, calibration, distance.to);
     if (from && to) factors.push_back(std::make_unique<DistanceFactor>(*from, *to, distance));
   }
   return factors;
 }
 
-std::unique_ptr<KeptFactor> size_prior(const JointProblem& problem, std::size_t size_class,
-                                       double already, double sigma) {
-  const auto value = [=](const JointUnknowns& at) { return already * at.size_factor[size_class]; };
-  return std::make_unique<ScalarPrior>(problem.layout().size[size_class], value, already, 1.0,
-                                       sigma);
+std::unique_ptr<BundleFactor> size_prior(const ReducedLayout& layout, SizeClassIndex size_class,
+                                         double already, double sigma) {
+  const auto value = [=](const BundleVariables& at) {
+    return already * at.size_factor[size_class];
+  };
+  return std::make_unique<ScalarPrior>(layout.size[size_class], value, already, 1.0, sigma);
 }
 
-std::unique_ptr<KeptFactor> edge_bias_prior(const JointProblem& problem, std::size_t camera,
-                                            double already_px, double sigma_px) {
-  const auto value = [=](const JointUnknowns& at) { return already_px + at.edge_bias_px[camera]; };
-  return std::make_unique<ScalarPrior>(problem.layout().edge_bias[camera], value, 1.0, 0.0,
-                                       sigma_px);
+std::unique_ptr<BundleFactor> edge_bias_prior(const ReducedLayout& layout, CameraIndex camera,
+                                              double already_px, double sigma_px) {
+  const auto value = [=](const BundleVariables& at) {
+    return already_px + at.edge_bias_px[camera];
+  };
+  return std::make_unique<ScalarPrior>(layout.edge_bias[camera], value, 1.0, 0.0, sigma_px);
 }
 
-std::vector<SurveyResidual> survey_residuals(const Survey& survey, const ObservationTable& table,
+std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observations& observations,
+                                             const Calibration& calibration,
                                              const MarkerPoses& world_from_marker,
                                              bool world_is_facility) {
-  const bool with_family = table.several_families();
+  const bool with_family = observations.several_families();
   std::vector<SurveyResidual> residuals;
-  const auto motion = world_is_facility ? std::optional<Rigid3>(Rigid3{})
-                                        : facility_from_world(survey, table, world_from_marker);
+  const auto motion =
+      world_is_facility ? std::optional<Rigid3>(Rigid3{})
+                        : facility_from_world(survey, observations, calibration, world_from_marker);
   for (const SurveyedPoint& point : survey.points) {
     SurveyResidual residual;
     residual.entry = format_place(point.place, with_family);
@@ -270,7 +272,7 @@ std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observa
     residual.point = true;
     residual.use = point.use;
     residual.sigma_m = point.sigma_m;
-    const auto x = x_in_world(point.place, table, world_from_marker);
+    const auto x = x_in_world(point.place, observations, calibration, world_from_marker);
     residual.mapped = x.has_value() && motion.has_value();
     if (residual.mapped) residual.residual_m = (*motion * *x - point.position_m).norm();
     residuals.push_back(residual);
@@ -283,8 +285,8 @@ std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observa
     residual.use = distance.use;
     residual.measured_m = distance.distance_m;
     residual.sigma_m = distance.sigma_m;
-    const auto from = x_in_world(distance.from, table, world_from_marker);
-    const auto to = x_in_world(distance.to, table, world_from_marker);
+    const auto from = x_in_world(distance.from, observations, calibration, world_from_marker);
+    const auto to = x_in_world(distance.to, observations, calibration, world_from_marker);
     residual.mapped = from && to;
     if (residual.mapped) residual.residual_m = (*to - *from).norm() - distance.distance_m;
     residuals.push_back(residual);

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "mapbuilder/bundle/joint_problem.h"
+#include "mapbuilder/bundle/reduced_problem.h"
 #include "mapbuilder/import/survey.h"
-#include "mapbuilder/observations/covisibility.h"
 
 namespace waymark {
 
@@ -29,47 +28,47 @@ struct SurveyReach {
   bool frame = false;  ///< ≥ 3 points not on a line, on ≥ 2 markers: all six freedoms of the world
 };
 
-/// The world in which a survey's points are given.
-inline constexpr int kFacilityWorld = 0;
-
-/// world_from_marker per marker of the table, all in one world; nullopt: not placed, or in another.
-using MarkerPoses = std::vector<std::optional<Rigid3>>;
+/// world_from_marker, all in one world; nullopt: not placed, or in another.
+using MarkerPoses = IndexedVector<MarkerIndex, std::optional<Rigid3>>;
 
 /// Those of a component's markers.
-[[nodiscard]] MarkerPoses poses_of(const Component& component, const MapState& state);
+[[nodiscard]] MarkerPoses poses_of(const Component& component, const Estimate& estimate);
 
 /// Which of the survey's fit entries lie on markers of one world, and what they fix.
-[[nodiscard]] SurveyReach reach_of(const Survey& survey, const ObservationTable& table,
+[[nodiscard]] SurveyReach reach_of(const Survey& survey, const Observations& observations,
+                                   const Calibration& calibration,
                                    const MarkerPoses& world_from_marker);
 
 /// The motion facility_from_world by the fit points; nullopt unless they reach the frame.
 [[nodiscard]] std::optional<Rigid3> facility_from_world(const Survey& survey,
-                                                        const ObservationTable& table,
+                                                        const Observations& observations,
+                                                        const Calibration& calibration,
                                                         const MarkerPoses& world_from_marker);
 
 /// Residuals of the fit entries on markers that take part in `problem`: points in the facility's
-/// world, distances within any one world (`world_of_marker` as AdjustmentScope has it). Entry −
+/// world, distances within any one world (`world_of_marker` as BundleScope has it). Entry −
 /// prediction in stated sigmas.
-[[nodiscard]] std::vector<std::unique_ptr<KeptFactor>> survey_factors(
-    const Survey& survey, const ObservationTable& table, const JointProblem& problem,
-    const std::vector<int>& world_of_marker);
+[[nodiscard]] std::vector<std::unique_ptr<BundleFactor>> survey_factors(
+    const Survey& survey, const Observations& observations, const Calibration& calibration,
+    const ReducedProblem& problem, const IndexedVector<MarkerIndex, WorldIndex>& world_of_marker);
 
 /// Prior of one size class: size / stated size = 1 ± `sigma`. `already` is the factor that the
 /// observations' sizes hold by now.
-[[nodiscard]] std::unique_ptr<KeptFactor> size_prior(const JointProblem& problem,
-                                                     std::size_t size_class, double already,
-                                                     double sigma);
+[[nodiscard]] std::unique_ptr<BundleFactor> size_prior(const ReducedLayout& layout,
+                                                       SizeClassIndex size_class, double already,
+                                                       double sigma);
 
 /// Prior of a camera's edge bias: 0 ± `sigma_px`. `already_px` is what the observations were moved
 /// by.
-[[nodiscard]] std::unique_ptr<KeptFactor> edge_bias_prior(const JointProblem& problem,
-                                                          std::size_t camera, double already_px,
-                                                          double sigma_px);
+[[nodiscard]] std::unique_ptr<BundleFactor> edge_bias_prior(const ReducedLayout& layout,
+                                                            CameraIndex camera, double already_px,
+                                                            double sigma_px);
 
 /// Every entry against markers of one world; points are aligned to the facility frame first unless
 /// the world is that frame already.
 [[nodiscard]] std::vector<SurveyResidual> survey_residuals(const Survey& survey,
-                                                           const ObservationTable& table,
+                                                           const Observations& observations,
+                                                           const Calibration& calibration,
                                                            const MarkerPoses& world_from_marker,
                                                            bool world_is_facility);
 

@@ -2,179 +2,162 @@
 
 #include <algorithm>
 
+#include "mapbuilder/bundle/survey_factors.h"
 #include "mapbuilder/calibration/refinement_support.h"
-#include "mapbuilder/growth/build_snapshot.h"
+#include "mapbuilder/calibration/rig_examination.h"
+#include "mapbuilder/growth/adjustment_stages.h"
 
 namespace waymark {
 namespace {
 
-/// Lays the parts that survey points fix into the facility's world; false where the survey tells
-/// nothing. Fills the scope's survey and worlds.
-bool take_survey(JointBuild& build, AdjustmentScope& scope) {
-  const Survey& survey = build.options().survey;
-  if (survey.empty()) return false;
-  bool tells_scale = false;
-  std::vector<int> world_of_marker(build.table().markers.size(), kFacilityWorld + 1);
-  int world = kFacilityWorld;
-  for (const ComponentGrowth* part : build.parts()) {
-    ++world;
-    const MarkerPoses poses = poses_of(part->component(), build.state());
-    const SurveyReach reach = reach_of(survey, build.table(), poses);
-    tells_scale = tells_scale || reach.scale;
-    if (reach.frame) {
-      move_poses(part->component(), *facility_from_world(survey, build.table(), poses),
-                 build.state());
+/// A converged estimate and the system that it is one of.
+struct Attempt {
+  Estimate estimate;
+  AdjustedSystem system;
+  CalibrationUncertainty uncertainty;
+  std::vector<std::string> left_as_stated;
+  std::vector<std::string> refused;  ///< reasons; then the rest means nothing
+};
+
+class Calibrator {
+ public:
+  Calibrator(const IncrementalMapper& mapper, const CalibrationOptions& options, Progress& progress)
+      : mapper_(mapper), options_(options), progress_(progress) {
+    for (const ComponentIndex c : mapper.selection().components().indices()) all_.push_back(c);
+  }
+
+  /// All components as one system, nothing of the calibration variable.
+  [[nodiscard]] AdjustedSystem plain_system() const { return {all_, {}}; }
+
+  /// Adjusts with survey and `refine`; nullopt when the survey tells nothing and nothing is asked
+  /// for.
+  [[nodiscard]] std::optional<Attempt> attempt(const VariableCalibration& refine,
+                                               Estimate estimate) const {
+    if (options_.survey.empty() && !refine.any()) return std::nullopt;
+    Attempt attempt{std::move(estimate), plain_system(), {}, {}, {}};
+    attempt.system.scope.variable = refine;
+    const bool surveyed = take_survey(attempt);
+    if (!surveyed && !refine.any()) return std::nullopt;
+    for (const Rig& rig : attempt.estimate.calibration.rigs) {
+      for (const RigCamera& camera : rig.cameras) {
+        attempt.system.scope.stated_cameras.push_back(camera);
+      }
     }
-    for (const int marker : part->component().markers) {
-      world_of_marker[static_cast<std::size_t>(marker)] = reach.frame ? kFacilityWorld : world;
+    BundleSolution solution = mapper_.adjust(
+        attempt.system, calibration_adjustment(mapper_.options()), std::move(attempt.estimate));
+    attempt.estimate = std::move(solution.estimate);
+    if (solution.uncertainty) attempt.uncertainty = std::move(*solution.uncertainty);
+    // Judged at rest: a misfit rig passes for noise until it is refined.
+    converge(attempt);
+    if (refine.any()) leave_unsure_directions_as_stated(refine, attempt);
+    return attempt;
+  }
+
+ private:
+  void converge(Attempt& attempt) const {
+    ConvergedEstimate converged =
+        mapper_.converge(attempt.system, std::move(attempt.estimate), progress_);
+    attempt.estimate = std::move(converged.estimate);
+    if (converged.uncertainty) attempt.uncertainty = std::move(*converged.uncertainty);
+  }
+
+  /// Lays the components that survey points fix into the facility's world; false where the survey
+  /// tells nothing. Fills the scope's survey and worlds.
+  [[nodiscard]] bool take_survey(Attempt& attempt) const {
+    const Survey& survey = options_.survey;
+    if (survey.empty()) return false;
+    const Observations& observations = mapper_.selection().observations();
+    Estimate& estimate = attempt.estimate;
+    bool tells_scale = false;
+    IndexedVector<MarkerIndex, WorldIndex> world_of_marker(observations.markers.size(),
+                                                           WorldIndex(kFacilityWorld.value() + 1));
+    for (const ComponentIndex c : all_) {
+      const Component& component = mapper_.component(c);
+      const MarkerPoses poses = poses_of(component, estimate);
+      const SurveyReach reach = reach_of(survey, observations, estimate.calibration, poses);
+      tells_scale = tells_scale || reach.scale;
+      if (reach.frame) {
+        const Rigid3 motion =
+            *facility_from_world(survey, observations, estimate.calibration, poses);
+        move_poses(component, motion, estimate);
+      }
+      const WorldIndex own(kFacilityWorld.value() + 1 + c.value());
+      for (const MarkerIndex marker : component.markers) {
+        world_of_marker[marker] = reach.frame ? kFacilityWorld : own;
+      }
+    }
+    if (!tells_scale) return false;
+    BundleScope& scope = attempt.system.scope;
+    scope.survey = &survey;
+    scope.world_of_marker = std::move(world_of_marker);
+    // What the survey measures against the stated sizes is the printer's and the camera's doing.
+    scope.variable.sizes = scope.variable.edge_bias = true;
+    return true;
+  }
+
+  /// Finds what is less sure than the limits and leaves it as stated, until nothing is; fills
+  /// `refused` with why that won't do.
+  void leave_unsure_directions_as_stated(const VariableCalibration& asked, Attempt& attempt) const {
+    const RefinementLimits& limits = options_.refinement_limits;
+    // What is left as stated changes the noise, and that what is unsure: at the borders a second
+    // round.
+    constexpr int kMostRounds = 3;
+    BundleScope& scope = attempt.system.scope;
+    for (int round = 0;; ++round) {
+      const std::vector<UnsureDirection> unsure =
+          unsure_directions(attempt.uncertainty, scope.stated_cameras, limits);
+      attempt.refused = reasons_against(asked, attempt.uncertainty, unsure,
+                                        attempt.estimate.calibration.rigs, limits);
+      if (!attempt.refused.empty() || unsure.empty()) return;
+      if (round == kMostRounds) {
+        attempt.refused = {unsure.back().text};
+        return;
+      }
+      for (const UnsureDirection& one : unsure) {
+        scope.constant_directions.push_back(one.direction);
+        attempt.left_as_stated.push_back(one.text);
+      }
+      converge(attempt);
     }
   }
-  if (!tells_scale) return false;
-  scope.survey = &survey;
-  scope.world_of_marker = std::move(world_of_marker);
-  // What the survey measures against the stated sizes is the printer's and the camera's doing.
-  scope.free.sizes = scope.free.edge_bias = true;
-  return true;
-}
 
-/// Finds what is less sure than the limits and holds it, until nothing is; returns why that won't
-/// do.
-std::vector<std::string> hold_what_is_unsure(JointBuild& build, const FreeCalibration& asked,
-                                             CalibrationResult& result) {
-  const RefinementLimits& limits = build.options().refinement_limits;
-  // What was held changes the noise, and that what is unsure: at the borders a second round.
-  constexpr int kMostRounds = 3;
-  for (int round = 0;; ++round) {
-    const std::vector<UnsureDirection> unsure =
-        unsure_directions(build.uncertainty(), build.scope().stated_cameras, limits);
-    auto reasons = reasons_against(asked, build.uncertainty(), unsure, build.table().rigs, limits);
-    if (!reasons.empty() || unsure.empty()) return reasons;
-    if (round == kMostRounds) return {unsure.back().text};
-    AdjustmentScope scope = build.scope();
-    for (const UnsureDirection& direction : unsure) {
-      scope.held_directions.push_back(direction.hold);
-      result.held.push_back(direction.text);
-    }
-    build.set_scope(std::move(scope));
-    build.settle();
-  }
-}
-
-/// Adjusts with survey and `refine`. False when the survey tells nothing and nothing is asked for,
-/// or the data can't support it: then all is as before, and result.refused says why.
-bool attempt(JointBuild& build, const FreeCalibration& refine, CalibrationResult& result) {
-  if (build.options().survey.empty() && !refine.any()) return false;
-  BuildSnapshot before(build);
-  AdjustmentScope scope;
-  scope.free = refine;
-  const bool surveyed = take_survey(build, scope);
-  if (!surveyed && !refine.any()) return false;
-  for (const Rig& rig : build.table().rigs) {
-    scope.stated_cameras.insert(scope.stated_cameras.end(), rig.cameras.begin(), rig.cameras.end());
-  }
-  build.set_scope(std::move(scope));
-  build.adjust({build.options().loss, 50, 1e-7, 1e-6, build.threads(), {}});
-  // Judged once settled: a misfit rig passes for noise until it is refined.
-  build.settle();
-  if (!refine.any()) return true;
-  auto reasons = hold_what_is_unsure(build, refine, result);
-  if (reasons.empty()) return true;
-  result.refused = std::move(reasons);
-  result.held.clear();
-  before.restore();
-  return false;
-}
-
-ComponentFit fit_of(const ComponentGrowth& part, const MapState& state,
-                    const std::vector<Rig>& rigs, double model_sigma_px) {
-  ComponentFit fit{part.component(), {}, {}, {}, rigs, model_sigma_px};
-  for (const int m : fit.component.markers) {
-    fit.world_from_marker.push_back(state.world_from_marker[static_cast<std::size_t>(m)]);
-  }
-  for (const int f : fit.component.frame_sets) {
-    const auto& rig = state.rigs[static_cast<std::size_t>(f)];
-    fit.world_from_rig.push_back(rig && !rig->ambiguous ? std::optional(rig->best.pose)
-                                                        : std::nullopt);
-  }
-  for (const std::size_t index : part.observations()) {
-    if (state.accepted[index] == 0) fit.rejected.push_back(index);
-  }
-  return fit;
-}
-
-/// The fitted rig passed its own misfit for noise so far: noise and gate are judged anew.
-std::vector<ComponentFit> settled_fits(const JointBuild& build, const AdjustmentOptions& options,
-                                       ObservationTable& table, MapState& state) {
-  std::vector<NoiseModel> noise;
-  for (const ComponentGrowth* part : build.parts()) noise.push_back(part->noise());
-  const auto judge = [&] {
-    for (std::size_t i = 0; i < noise.size(); ++i) {
-      build.parts()[i]->adapt_noise(table, state, noise[i]);
-    }
-    update_gate(table, build.observations(), build.options().gate, state);
-  };
-  judge();
-  adjust_jointly(table, build.observations(), build.held(), options, state);
-  judge();
-  std::vector<ComponentFit> fits;
-  for (std::size_t i = 0; i < noise.size(); ++i) {
-    fits.push_back(fit_of(*build.parts()[i], state, table.rigs, noise[i].model_sigma_px));
-  }
-  return fits;
-}
-
-/// Whether the rig file fits the images: a few steps with all of it free, on copies. What they find
-/// is evidence, the map stays as it is.
-void examine_rig(const JointBuild& build, CalibrationResult& result) {
-  ObservationTable table = build.table();
-  MapState state = build.state();
-  AdjustmentOptions options{build.options().loss, 4, 1e-2, 1e-6, build.threads(), build.scope()};
-  const auto free_and_adjust = [&] {
-    const AdjustmentSummary summary =
-        adjust_jointly(table, build.observations(), build.held(), options, state);
-    if (summary.uncertainty) result.uncertainty = *summary.uncertainty;
-    return summary.initial_cost > 0 ? summary.final_cost / summary.initial_cost : 1.0;
-  };
-  const bool several_cameras = std::any_of(table.rigs.begin(), table.rigs.end(),
-                                           [](const Rig& rig) { return rig.cameras.size() > 1; });
-  if (several_cameras) {
-    options.scope.free.extrinsics = true;
-    result.extrinsics_cost_ratio = free_and_adjust();
-  }
-  // Extrinsics first: what they explain is not the lens's fault.
-  const std::vector<Rig> with_extrinsics = table.rigs;
-  const CalibrationUncertainty of_extrinsics = result.uncertainty;
-  options.scope.free.intrinsics = true;
-  result.intrinsics_cost_ratio = free_and_adjust();
-  result.rigs_fitted = table.rigs;
-  if (result.intrinsics_cost_ratio > kExplainsTooLittle && several_cameras) {
-    result.rigs_fitted = with_extrinsics;
-    result.uncertainty = of_extrinsics;
-  }
-  if (std::min(result.extrinsics_cost_ratio, result.intrinsics_cost_ratio) < kExplainsTooLittle) {
-    result.fits = settled_fits(build, options, table, state);
-  }
-}
+  const IncrementalMapper& mapper_;
+  const CalibrationOptions& options_;
+  Progress& progress_;
+  std::vector<ComponentIndex> all_;
+};
 
 }  // namespace
 
-CalibrationResult calibrate(JointBuild& build) {
-  CalibrationResult result;
-  result.rigs_before = build.table().rigs;
-  const FreeCalibration& refine = build.options().refine;
-  result.refined = refine.any() && attempt(build, refine, result);
-  if (!result.refined) attempt(build, {}, result);
-  if (result.refined && (refine.extrinsics || refine.intrinsics)) {
-    result.uncertainty = build.uncertainty();
-    result.rigs_fitted = build.table().rigs;
-  } else {
-    examine_rig(build, result);
+CalibratedEstimate calibrate(const IncrementalMapper& mapper, const CalibrationOptions& options,
+                             Estimate estimate, Progress& progress) {
+  const Calibrator calibrator(mapper, options, progress);
+  CalibratedEstimate result{{}, calibrator.plain_system(), {}};
+  CalibrationResult& calibration = result.calibration;
+  calibration.rigs_before = estimate.calibration.rigs;
+  if (result.system.components.empty()) {
+    result.estimate = std::move(estimate);
+    return result;
   }
-  if (result.fits.empty()) {
-    for (const ComponentGrowth* part : build.parts()) {
-      result.fits.push_back(
-          fit_of(*part, build.state(), build.table().rigs, part->noise().model_sigma_px));
-    }
+  std::optional<Attempt> attempt;
+  if (options.refine.any()) {
+    attempt = calibrator.attempt(options.refine, estimate);
+    calibration.refined = attempt && attempt->refused.empty();
+    if (attempt && !calibration.refined) calibration.refused = std::move(attempt->refused);
+  }
+  if (!calibration.refined) attempt = calibrator.attempt({}, estimate);
+  if (attempt) {
+    result.estimate = std::move(attempt->estimate);
+    result.system = std::move(attempt->system);
+    calibration.left_as_stated = std::move(attempt->left_as_stated);
+  } else {
+    result.estimate = std::move(estimate);
+  }
+  if (calibration.refined && (options.refine.extrinsics || options.refine.intrinsics)) {
+    calibration.uncertainty = std::move(attempt->uncertainty);
+    calibration.rigs_fitted = result.estimate.calibration.rigs;
+  } else {
+    examine_rig(mapper, result.system, result.estimate, calibration);
   }
   return result;
 }

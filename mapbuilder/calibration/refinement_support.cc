@@ -38,12 +38,13 @@ Matrix6d image_shift(const CameraModel& camera) {
 }
 
 /// The rig file's numbers in units of the limits.
-Eigen::MatrixXd per_limit(const std::vector<RigCamera>& cameras, const RefinementLimits& limits) {
+Eigen::MatrixXd per_limit(const IndexedVector<CameraIndex, RigCamera>& cameras,
+                          const RefinementLimits& limits) {
   const auto count = static_cast<Eigen::Index>(cameras.size());
   Eigen::MatrixXd scale = Eigen::MatrixXd::Zero((kExtrinsics + kIntrinsics) * count,
                                                 (kExtrinsics + kIntrinsics) * count);
   for (Eigen::Index c = 0; c < count; ++c) {
-    const RigCamera& camera = cameras[static_cast<std::size_t>(c)];
+    const RigCamera& camera = cameras[CameraIndex(static_cast<std::size_t>(c))];
     const double fu_px = camera.model.parameters().fu_px;
     const Eigen::Index extrinsics = kExtrinsics * c;
     const Eigen::Index intrinsics = kExtrinsics * count + kIntrinsics * c;
@@ -57,13 +58,14 @@ Eigen::MatrixXd per_limit(const std::vector<RigCamera>& cameras, const Refinemen
 }
 
 /// What the direction's largest part is, and how sure.
-std::string text_of(Eigen::Index row, double in_limits, const std::vector<RigCamera>& cameras,
+std::string text_of(Eigen::Index row, double in_limits,
+                    const IndexedVector<CameraIndex, RigCamera>& cameras,
                     const RefinementLimits& limits) {
   const auto count = static_cast<Eigen::Index>(cameras.size());
   const bool of_extrinsics = row < kExtrinsics * count;
   const Eigen::Index within = of_extrinsics ? row : row - kExtrinsics * count;
   const Eigen::Index size = of_extrinsics ? kExtrinsics : kIntrinsics;
-  const std::string& name = cameras[static_cast<std::size_t>(within / size)].name;
+  const std::string& name = cameras[CameraIndex(static_cast<std::size_t>(within / size))].name;
   const auto text = [&](const char* what, double allowed, const char* unit) {
     return fmt::format(
         "{}'s {} with what moves along: known to ± {:.2g} {} only, {:.2g} is asked for", name, what,
@@ -78,8 +80,8 @@ std::string text_of(Eigen::Index row, double in_limits, const std::vector<RigCam
                                   kDegreesPerRadian * limits.rotation_rad, "° of bearing");
 }
 
-/// Number of directions of extrinsics or of intrinsics that are free.
-Eigen::Index free_directions(const CalibrationUncertainty& sure, bool of_extrinsics) {
+/// Number of directions of extrinsics or of intrinsics that vary.
+Eigen::Index variable_directions(const CalibrationUncertainty& sure, bool of_extrinsics) {
   const auto cameras = static_cast<Eigen::Index>(sure.cameras.size());
   const auto diagonal = sure.joint.diagonal();
   return of_extrinsics ? (diagonal.head(kExtrinsics * cameras).array() > 0).count()
@@ -92,19 +94,19 @@ void refuse_when_too_much_is_unsure(const CalibrationUncertainty& sure,
                                     std::vector<std::string>& reasons) {
   const auto alike = [&](const UnsureDirection& d) { return d.of_extrinsics == of_extrinsics; };
   const auto count = std::count_if(unsure.begin(), unsure.end(), alike);
-  const Eigen::Index free = free_directions(sure, of_extrinsics);
+  const Eigen::Index variable = variable_directions(sure, of_extrinsics);
   const auto worst = std::find_if(unsure.rbegin(), unsure.rend(), alike);
-  if (count == 0 || (2 * count < free && worst->in_limits < limits.most_held)) return;
+  if (count == 0 || (2 * count < variable && worst->in_limits < limits.most_unsure)) return;
   reasons.push_back(fmt::format("{}: {} of {} directions can't be told; {}",
-                                of_extrinsics ? "extrinsics" : "intrinsics", count, free,
+                                of_extrinsics ? "extrinsics" : "intrinsics", count, variable,
                                 worst->text));
 }
 
 }  // namespace
 
-std::vector<UnsureDirection> unsure_directions(const CalibrationUncertainty& sure,
-                                               const std::vector<RigCamera>& stated_cameras,
-                                               const RefinementLimits& limits) {
+std::vector<UnsureDirection> unsure_directions(
+    const CalibrationUncertainty& sure, const IndexedVector<CameraIndex, RigCamera>& stated_cameras,
+    const RefinementLimits& limits) {
   std::vector<UnsureDirection> unsure;
   if (sure.joint.size() == 0) return unsure;
   const auto cameras = static_cast<Eigen::Index>(stated_cameras.size());
@@ -117,8 +119,8 @@ std::vector<UnsureDirection> unsure_directions(const CalibrationUncertainty& sur
     const Eigen::VectorXd weights = scale.transpose() * along;
     UnsureDirection direction;
     for (Eigen::Index c = 0; c < cameras; ++c) {
-      direction.hold.extrinsics.emplace_back(weights.segment<kExtrinsics>(kExtrinsics * c));
-      direction.hold.intrinsics.emplace_back(
+      direction.direction.extrinsics.push_back(weights.segment<kExtrinsics>(kExtrinsics * c));
+      direction.direction.intrinsics.push_back(
           weights.segment<kIntrinsics>(kExtrinsics * cameras + kIntrinsics * c));
     }
     direction.of_extrinsics = along.head(kExtrinsics * cameras).squaredNorm() > 0.5;
@@ -131,10 +133,10 @@ std::vector<UnsureDirection> unsure_directions(const CalibrationUncertainty& sur
   return unsure;
 }
 
-std::vector<std::string> reasons_against(const FreeCalibration& asked,
+std::vector<std::string> reasons_against(const VariableCalibration& asked,
                                          const CalibrationUncertainty& sure,
                                          const std::vector<UnsureDirection>& unsure,
-                                         const std::vector<Rig>& rigs,
+                                         const IndexedVector<RigIndex, Rig>& rigs,
                                          const RefinementLimits& limits) {
   std::vector<std::string> reasons;
   const auto one_camera = [](const Rig& rig) { return rig.cameras.size() < 2; };

@@ -12,12 +12,12 @@ struct BiasedSystem {
   Eigen::MatrixXd by_bias;  ///< −S_mb
 };
 
-BiasedSystem split(const ReducedSystem& system, const KeptLayout& layout) {
+BiasedSystem split(const ReducedSystem& system, const ReducedLayout& layout) {
   const auto cameras = static_cast<Eigen::Index>(layout.edge_bias.size());
   BiasedSystem result{system.information, Eigen::MatrixXd::Zero(6L * layout.blocks, cameras)};
   const BlockPattern& pattern = system.information.pattern;
   for (Eigen::Index c = 0; c < cameras; ++c) {
-    const int bias = layout.edge_bias[static_cast<std::size_t>(c)];
+    const int bias = layout.edge_bias[CameraIndex(static_cast<std::size_t>(c))];
     if (bias < 0) continue;  // a camera that sees nothing
     for (int marker = 0; marker < layout.markers; ++marker) {
       const int block = pattern.find(bias, marker);
@@ -32,16 +32,21 @@ BiasedSystem split(const ReducedSystem& system, const KeptLayout& layout) {
 
 }  // namespace
 
-std::vector<double> scale_per_edge_px(const JointBuild& build,
-                                      std::span<const std::size_t> observations, int anchor) {
-  std::vector<std::size_t> accepted;
-  for (const std::size_t index : observations) {
-    if (build.state().accepted[index] != 0) accepted.push_back(index);
+IndexedVector<CameraIndex, double> scale_per_edge_px(const PreparedObservations& prepared,
+                                                     const Estimate& estimate,
+                                                     std::span<const ObservationIndex> observations,
+                                                     FrameSetIndex anchor,
+                                                     const ObservationLoss& loss, int threads) {
+  std::vector<ObservationIndex> accepted;
+  for (const ObservationIndex index : observations) {
+    if (estimate.accepts(index)) accepted.push_back(index);
   }
-  FreeCalibration free;
-  free.edge_bias = true;
-  JointProblem problem(build.table(), accepted, build.state(), {{anchor}, {}}, free,
-                       build.options().loss, build.threads());
+  BundleProblem biased;
+  biased.prepared = &prepared;
+  biased.loss = loss;
+  biased.constant.frame_sets = {anchor};
+  biased.scope.variable.edge_bias = true;
+  ReducedProblem problem(biased, accepted, biased.constant, estimate, threads);
   const int count = problem.layout().markers;
   if (count < 2) return {};
   const BiasedSystem system = split(problem.reduce(problem.start(), 0.0), problem.layout());
@@ -54,7 +59,7 @@ std::vector<double> scale_per_edge_px(const JointBuild& build,
   const std::vector<Rigid3>& poses = problem.start().world_from_marker;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   for (const Rigid3& pose : poses) centre += pose.translation / count;
-  std::vector<double> scale;
+  IndexedVector<CameraIndex, double> scale;
   for (Eigen::Index c = 0; c < moved.cols(); ++c) {
     double along = 0;
     double squared = 0;

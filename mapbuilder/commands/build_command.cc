@@ -66,9 +66,9 @@ std::vector<ReportSurveyEntry> survey_of(const BuildResult& result) {
 }
 
 /// The family that a bare number means; nullopt where several meet.
-std::optional<Family> only_family_of(const ObservationTable& table) {
-  if (table.several_families() || table.markers.empty()) return std::nullopt;
-  return table.markers.front().family;
+std::optional<Family> only_family_of(const Observations& observations) {
+  if (observations.several_families() || observations.markers.empty()) return std::nullopt;
+  return observations.markers.front().family;
 }
 
 /// Where the first refined rig goes: as asked for, else MAP's name with .yaml; nullopt when none is
@@ -100,11 +100,13 @@ Status check_refined_rig_path(const BuildCommandOptions& options) {
 }
 
 /// The refined rigs as camchains, numbered from the second on.
-Status write_refined_rigs(const std::filesystem::path& first, const ObservationTable& table,
+Status write_refined_rigs(const std::filesystem::path& first, const Calibration& calibration,
                           std::ostream& out) {
-  for (std::size_t i = 0; i < table.rigs.size(); ++i) {
+  for (const RigIndex rig : calibration.rigs.indices()) {
+    const std::size_t i = rig.value();
     const std::filesystem::path path = i == 0 ? first : path_beside(first, std::to_string(i));
-    if (auto written = write_file_atomically(path, format_camchain(table.rigs[i])); !written) {
+    if (auto written = write_file_atomically(path, format_camchain(calibration.rigs[rig]));
+        !written) {
       return written;
     }
     fmt::print(out, "{}: refined rig\n", path.string());
@@ -170,11 +172,12 @@ std::vector<Finding> take_over(const std::optional<MarkerMap>& earlier,
 
 /// Turns every sub-map so that z points up, but for those in the survey's frame, whose z is up.
 /// Error: bad_data where the markers don't tell.
-Status level_maps(LevelBy by, const ObservationTable& table, BuildResult& result) {
+Status level_maps(LevelBy by, const Observations& observations, BuildResult& result) {
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     BuiltSubMap& submap = result.submaps[i];
     if (submap.map.z_is_up) continue;
-    const auto level = level_world(submap, by, camera_up_in_world(submap, table));
+    const auto level = level_world(
+        submap, by, camera_up_in_world(submap, observations, result.estimate.calibration));
     if (!level) {
       return fail(ErrorKind::bad_data,
                   "--level: sub-map {}: its {} markers don't tell where up is: by walls it takes "
@@ -205,12 +208,13 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     }
   }
   if (auto allowed = check_refined_rig_path(options); !allowed) return allowed;
+  if (auto fine = check(options.build); !fine) return fine;
   auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
   const auto truths = options.report ? read_truths(*captures, notes) : std::vector<CaptureTruth>{};
-  auto table =
-      make_observation_table(std::move(*captures), {options.mono, options.input.detect.threads});
-  if (!table) return tl::make_unexpected(table.error());
+  const auto made = make_observations(*captures, {options.mono, options.input.detect.threads});
+  if (!made) return tl::make_unexpected(made.error());
+  const Observations& observations = *made;
 
   BuildOptions build = options.build;
   std::optional<MarkerMap> earlier;
@@ -227,33 +231,35 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     quarantine = *std::move(read);
   }
   if (options.survey) {
-    auto survey = read_survey(*options.survey, only_family_of(*table));
+    auto survey = read_survey(*options.survey, only_family_of(observations));
     if (!survey) return tl::make_unexpected(survey.error());
     build.survey = *std::move(survey);
   }
   build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
-  DiagnosedBuild diagnosed = build_and_diagnose(*table, build, {}, progress);
+  DiagnosedBuild diagnosed = build_and_diagnose(observations, build, {}, progress);
   BuildResult& result = diagnosed.result;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   if (result.submaps.empty()) {
     return fail(ErrorKind::bad_data,
                 "{}: no marker could be mapped: {} frame sets hold {} usable observations; check "
                 "the family and the ids in markers.toml",
-                options.input.paths.front().string(), table->frame_sets.size(),
-                table->observations.size());
+                options.input.paths.front().string(), observations.frame_sets.size(),
+                observations.usable);
   }
-  std::vector<Finding> findings = calibration_findings(result, *table, build);
+  std::vector<Finding> findings = calibration_findings(result, observations, build);
   for (Finding& finding : diagnosed.findings) findings.push_back(std::move(finding));
   for (Finding& finding : take_over(earlier, quarantine, result)) {
     findings.push_back(std::move(finding));
   }
   if (options.level) {
-    if (auto levelled = level_maps(*options.level, *table, result); !levelled) return levelled;
+    if (auto levelled = level_maps(*options.level, observations, result); !levelled)
+      return levelled;
   }
-  for (Finding& finding : build_findings(result, *table)) findings.push_back(std::move(finding));
+  for (Finding& finding : build_findings(result, observations))
+    findings.push_back(std::move(finding));
   for (const Finding& finding : findings) {
-    fmt::print(notes, "{}\n", one_line(finding, table->several_families()));
+    fmt::print(notes, "{}\n", one_line(finding, observations.several_families()));
   }
   if (options.strict && result.submaps.size() > 1) {
     return fail(ErrorKind::bad_data, "{}: {} sub-maps, and --strict asks for one; nothing written",
@@ -261,7 +267,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   std::optional<ReportFolder> report_folder;
   if (options.report) {
-    Report report = report_of_build(result, *table, truths);
+    Report report = report_of_build(result, observations, truths);
     report.findings = findings;
     report.survey = survey_of(result);
     report.map_name = options.output.filename().string();
@@ -271,12 +277,13 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   if (auto written = write_map_file(options.output, result.map); !written) return written;
   if (const auto path = refined_rig_path(options); path && result.calibration.refined) {
-    if (auto written = write_refined_rigs(*path, *table, out); !written) return written;
+    if (auto written = write_refined_rigs(*path, result.estimate.calibration, out); !written)
+      return written;
   }
   if (options.trajectory) {
     for (std::size_t i = 0; i < result.submaps.size(); ++i) {
       if (auto written =
-              write_trajectory(*options.trajectory, i, *table, result.submaps[i].trajectory);
+              write_trajectory(*options.trajectory, i, observations, result.submaps[i].trajectory);
           !written) {
         return written;
       }

@@ -34,7 +34,7 @@ struct BuildCommandOptions {
 };
 
 /// Builds a map from captures and writes it; a summary goes to `out`, warnings to `notes`. Errors:
-/// bad input (see detect_capture, make_observation_table), bad_data when not one marker could be
+/// bad input (see detect_capture, make_observations), bad_data when not one marker could be
 /// mapped or, with `strict`, when the capture falls into parts; write errors. Nothing is written
 /// unless everything could be computed.
 [[nodiscard]] Status run_build(const BuildCommandOptions& options, Progress& progress,

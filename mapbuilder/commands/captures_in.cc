@@ -99,16 +99,16 @@ Status check_writable(const std::filesystem::path& path) {
   return {};
 }
 
-void print_table_notes(const ObservationTable& table, std::ostream& notes) {
-  if (table.repeated_in_image > 0) {
+void print_observation_notes(const Observations& observations, std::ostream& notes) {
+  if (observations.repeated_in_image > 0) {
     fmt::print(notes,
                "warning: {} detections left out, their id was found twice in one image; is a "
                "marker printed twice?\n",
-               table.repeated_in_image);
+               observations.repeated_in_image);
   }
-  if (table.degenerate > 0) {
+  if (observations.degenerate > 0) {
     fmt::print(notes, "note: {} detections left out, their corners are no view of a square\n",
-               table.degenerate);
+               observations.degenerate);
   }
 }
 

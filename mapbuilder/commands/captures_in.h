@@ -9,6 +9,7 @@
 #include "core/base/progress.h"
 #include "mapbuilder/observations/detect_capture.h"
 #include "mapbuilder/observations/detect_videos.h"
+#include "mapbuilder/observations/observations.h"
 
 namespace waymark {
 
@@ -34,6 +35,6 @@ struct CaptureInput {
 [[nodiscard]] Status check_writable(const std::filesystem::path& path);
 
 /// What the user should know of observations that could not be used.
-void print_table_notes(const ObservationTable& table, std::ostream& notes);
+void print_observation_notes(const Observations& observations, std::ostream& notes);
 
 }  // namespace waymark

@@ -37,6 +37,7 @@ void leave_out(const Quarantine& quarantine, MarkerMap& map, std::ostream& notes
 Status run_localize(const LocalizeOptions& options, Progress& progress, std::ostream& out,
                     std::ostream& notes) {
   if (auto writable = check_writable(options.trajectory); !writable) return writable;
+  if (auto fine = check(options.build); !fine) return fine;
   auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
   if (options.quarantine) {
@@ -46,25 +47,23 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
   }
   auto captures = take_captures_in(options.input, progress, notes);
   if (!captures) return tl::make_unexpected(captures.error());
-  auto table =
-      make_observation_table(std::move(*captures), {options.mono, options.input.detect.threads});
-  if (!table) return tl::make_unexpected(table.error());
+  const auto made = make_observations(*captures, {options.mono, options.input.detect.threads});
+  if (!made) return tl::make_unexpected(made.error());
 
   BuildOptions build = options.build;
   build.threads = options.input.detect.threads;
-  const auto results = relocalize(*table, *map, build, progress);
+  const auto results = relocalize(*made, *map, build, progress);
   std::size_t observations = 0;
   for (const RelocalizedSubMap& result : results) observations += result.observations;
   if (observations == 0) {
     return fail(ErrorKind::bad_data,
                 "{}: none of its {} observations is of a marker in {}; is it the right map?",
-                options.input.paths.front().string(), table->observations.size(),
-                options.map.string());
+                options.input.paths.front().string(), made->usable, options.map.string());
   }
-  print_table_notes(*table, notes);
+  print_observation_notes(*made, notes);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RelocalizedSubMap& result = results[i];
-    if (auto written = write_trajectory(options.trajectory, i, *table, result.trajectory);
+    if (auto written = write_trajectory(options.trajectory, i, *made, result.trajectory);
         !written) {
       return written;
     }

@@ -14,7 +14,7 @@ std::string plural(std::size_t count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-Finding parts_found(const BuildResult& result) {
+Finding submaps_found(const BuildResult& result) {
   Finding finding;
   finding.kind = FindingKind::submaps;
   finding.title = fmt::format("The captures fall into {} parts", result.submaps.size());
@@ -27,7 +27,7 @@ Finding parts_found(const BuildResult& result) {
   return finding;
 }
 
-Finding unsettled_found(const BuiltSubMap& submap) {
+Finding not_converged_found(const BuiltSubMap& submap) {
   Finding finding;
   finding.kind = FindingKind::unsettled;
   finding.title = "Adjustment and gate did not come to rest";
@@ -39,7 +39,7 @@ Finding unsettled_found(const BuiltSubMap& submap) {
   return finding;
 }
 
-Finding loose_parts_found() {
+Finding unknown_covariances_found() {
   Finding finding;
   finding.kind = FindingKind::covariances_unknown;
   finding.title = "Uncertainties are unknown";
@@ -86,45 +86,45 @@ Finding unmapped_found(const BuildResult& result) {
   return finding;
 }
 
-Finding unlocalized_found(const BuildResult& result, const ObservationTable& table) {
+Finding unlocalized_found(const BuildResult& result, const Observations& observations) {
   Finding finding;
   finding.kind = FindingKind::unlocalized;
   finding.title = plural(result.unlocalized.size(), "frame set") + " could not be localized";
   finding.evidence = "They see markers, but no pose of the rig explains what they see.";
   finding.remedy = "Look at their images for blur, or for markers that are not in the map.";
   finding.figures = {count_of("frame sets without a pose", result.unlocalized.size()),
-                     count_of("frame sets in all", table.frame_sets.size())};
+                     count_of("frame sets in all", observations.frame_sets.size())};
   return finding;
 }
 
-Finding repeated_found(const ObservationTable& table) {
+Finding repeated_found(const Observations& observations) {
   Finding finding;
   finding.kind = FindingKind::repeated_in_image;
-  finding.title = plural(static_cast<std::size_t>(table.repeated_in_image), "detection") +
+  finding.title = plural(observations.repeated_in_image, "detection") +
                   " left out: their id was found twice in one image";
   finding.evidence = "Neither of two markers with one id can be trusted.";
   finding.remedy = "Check whether a marker is printed twice.";
   return finding;
 }
 
-Finding degenerate_found(const ObservationTable& table) {
+Finding degenerate_found(const Observations& observations) {
   Finding finding;
   finding.kind = FindingKind::no_square;
   finding.severity = Severity::note;
-  finding.title = plural(static_cast<std::size_t>(table.degenerate), "detection") +
+  finding.title = plural(observations.degenerate, "detection") +
                   " left out: their corners are no view of a square";
   finding.evidence = "They lie outside the lens's domain, or cross.";
   return finding;
 }
 
-Finding blank_found(const BuildResult& result, const ObservationTable& table) {
+Finding blank_found(const BuildResult& result, const Observations& observations) {
   Finding finding;
   finding.kind = FindingKind::no_marker_seen;
   finding.severity = Severity::note;
   finding.title = plural(result.without_markers.size(), "frame set") + " without a usable marker";
   finding.evidence = "They tell nothing about the map.";
   finding.figures = {count_of("frame sets without markers", result.without_markers.size()),
-                     count_of("frame sets in all", table.frame_sets.size())};
+                     count_of("frame sets in all", observations.frame_sets.size())};
   return finding;
 }
 
@@ -134,8 +134,8 @@ void add_submap_findings(const BuiltSubMap& submap, std::size_t index,
     finding.submap = index;
     findings.push_back(std::move(finding));
   };
-  if (!submap.settled) add(unsettled_found(submap));
-  if (!submap.covariances_known) add(loose_parts_found());
+  if (!submap.converged) add(not_converged_found(submap));
+  if (!submap.covariances_known) add(unknown_covariances_found());
   if (submap.model_sigma_px >= kLargestModelSigma) add(poor_fit_found(submap));
   std::vector<MarkerId> single;
   for (const MapMarker& marker : submap.map.markers) {
@@ -146,17 +146,17 @@ void add_submap_findings(const BuiltSubMap& submap, std::size_t index,
 
 }  // namespace
 
-std::vector<Finding> build_findings(const BuildResult& result, const ObservationTable& table) {
+std::vector<Finding> build_findings(const BuildResult& result, const Observations& observations) {
   std::vector<Finding> findings;
-  if (result.submaps.size() > 1) findings.push_back(parts_found(result));
+  if (result.submaps.size() > 1) findings.push_back(submaps_found(result));
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     add_submap_findings(result.submaps[i], i, findings);
   }
   if (!result.unmapped.empty()) findings.push_back(unmapped_found(result));
-  if (!result.unlocalized.empty()) findings.push_back(unlocalized_found(result, table));
-  if (table.repeated_in_image > 0) findings.push_back(repeated_found(table));
-  if (table.degenerate > 0) findings.push_back(degenerate_found(table));
-  if (!result.without_markers.empty()) findings.push_back(blank_found(result, table));
+  if (!result.unlocalized.empty()) findings.push_back(unlocalized_found(result, observations));
+  if (observations.repeated_in_image > 0) findings.push_back(repeated_found(observations));
+  if (observations.degenerate > 0) findings.push_back(degenerate_found(observations));
+  if (!result.without_markers.empty()) findings.push_back(blank_found(result, observations));
   return findings;
 }
 

@@ -13,6 +13,6 @@ namespace waymark {
 /// without markers. In that
 /// order.
 [[nodiscard]] std::vector<Finding> build_findings(const BuildResult& result,
-                                                  const ObservationTable& table);
+                                                  const Observations& observations);
 
 }  // namespace waymark

@@ -9,7 +9,7 @@
 #include <set>
 
 #include "core/geometry/symmetric_factor.h"
-#include "mapbuilder/bundle/direction_hold.h"
+#include "mapbuilder/bundle/constant_direction.h"
 
 namespace waymark {
 namespace {
@@ -31,7 +31,7 @@ Finding partial_refusal(const CalibrationResult& calibration) {
   Finding finding;
   finding.kind = FindingKind::refinement_refused;
   finding.title = "A part of the refinement was refused and stays as stated";
-  finding.evidence = fmt::format("{}.", fmt::join(calibration.held, "; "));
+  finding.evidence = fmt::format("{}.", fmt::join(calibration.left_as_stated, "; "));
   finding.remedy =
       "Record more views that several cameras share, from many sides and distances, with turns "
       "about "
@@ -101,9 +101,9 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
 /// Whether what was fitted differs from the stated intrinsics by more than chance: the squared
 /// Mahalanobis distance, 8 freedoms. False where nothing is determined.
 bool differ_surely(const CameraModel& stated, const CameraModel& fitted,
-                   const CalibrationUncertainty& sure, std::size_t camera) {
+                   const CalibrationUncertainty& sure, CameraIndex camera) {
   if (sure.joint.size() == 0) return false;
-  const auto first = static_cast<Eigen::Index>(6 * sure.cameras.size() + 8 * camera);
+  const auto first = static_cast<Eigen::Index>(6 * sure.cameras.size() + 8 * camera.value());
   const Eigen::Matrix<double, 8, 8> covariance = sure.joint.block<8, 8>(first, first);
   // Per sigma, for focal lengths and lens coefficients are of different size. What was not free
   // (the lens of a camera stated without any, at first) differs by nothing.
@@ -142,7 +142,7 @@ double largest_shift_px(const CameraModel& before, const CameraModel& after) {
   return largest;
 }
 
-void name_misfits(const CalibrationResult& calibration, const FreeCalibration& asked,
+void name_misfits(const CalibrationResult& calibration, const VariableCalibration& asked,
                   std::vector<Finding>& findings) {
   // Refined sizes alone leave the rig file as it is: then what was fitted to it is evidence only.
   const bool rig_refined = calibration.refined && (asked.extrinsics || asked.intrinsics);
@@ -152,10 +152,11 @@ void name_misfits(const CalibrationResult& calibration, const FreeCalibration& a
       rig_refined || calibration.intrinsics_cost_ratio < kExplainsTooLittle;
   // Without two markers in any frame set nothing was adjusted, and nothing is known.
   if (calibration.rigs_fitted.empty() || calibration.uncertainty.cameras.empty()) return;
-  const std::vector<Rig>& after = calibration.rigs_fitted;
-  std::size_t index = 0;
-  for (std::size_t r = 0; r < after.size(); ++r) {
-    for (std::size_t c = 0; c < after[r].cameras.size(); ++c, ++index) {
+  const IndexedVector<RigIndex, Rig>& after = calibration.rigs_fitted;
+  std::size_t count = 0;
+  for (const RigIndex r : after.indices()) {
+    for (std::size_t c = 0; c < after[r].cameras.size(); ++c) {
+      const CameraIndex index(count++);
       const RigCamera& stated = calibration.rigs_before[r].cameras[c];
       const RigCamera& fitted = after[r].cameras[c];
       const CameraUncertainty& sure = calibration.uncertainty.cameras[index];
@@ -199,8 +200,8 @@ void name_survey(const BuiltSubMap& submap, std::vector<Finding>& findings) {
 }
 
 /// What an edge that is seen further out than it is would do to the scale.
-Finding scale_bound(const BuiltSubMap& submap, const std::vector<Rig>& rigs) {
-  const double edge_px = AdjustmentScope{}.edge_bias_sigma_px;
+Finding scale_bound(const BuiltSubMap& submap, const IndexedVector<RigIndex, Rig>& rigs) {
+  const double edge_px = BundleScope{}.edge_bias_sigma_px;
   constexpr double kPpm = 1e6;
   Finding finding;
   finding.kind = FindingKind::scale_bound;
@@ -209,7 +210,7 @@ Finding scale_bound(const BuiltSubMap& submap, const std::vector<Rig>& rigs) {
   std::size_t index = 0;
   for (const Rig& rig : rigs) {
     for (const RigCamera& camera : rig.cameras) {
-      const double ppm = kPpm * edge_px * submap.scale_per_edge_px[index++];
+      const double ppm = kPpm * edge_px * submap.scale_per_edge_px[CameraIndex(index++)];
       alike += ppm;
       finding.figures.push_back({fmt::format("{} alone", camera.name), std::abs(ppm), "ppm", {}});
     }
@@ -275,12 +276,13 @@ Finding rigs_differ(const std::pair<std::string, std::string>& captures) {
 
 }  // namespace
 
-std::vector<Finding> calibration_findings(const BuildResult& result, const ObservationTable& table,
+std::vector<Finding> calibration_findings(const BuildResult& result,
+                                          const Observations& observations,
                                           const BuildOptions& options) {
   std::vector<Finding> findings;
   const CalibrationResult& calibration = result.calibration;
   if (!calibration.refused.empty()) findings.push_back(refusal(calibration));
-  if (!calibration.held.empty()) findings.push_back(partial_refusal(calibration));
+  if (!calibration.left_as_stated.empty()) findings.push_back(partial_refusal(calibration));
   name_misfits(calibration, options.refine, findings);
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     const std::size_t first = findings.size();
@@ -291,7 +293,7 @@ std::vector<Finding> calibration_findings(const BuildResult& result, const Obser
     for (std::size_t f = first; f < findings.size(); ++f) findings[f].submap = i;
   }
   if (!options.survey.points.empty()) name_undetermined(result, findings);
-  for (const auto& captures : table.recalibrated) findings.push_back(rigs_differ(captures));
+  for (const auto& captures : observations.recalibrated) findings.push_back(rigs_differ(captures));
   return findings;
 }
 

@@ -11,7 +11,7 @@ namespace waymark {
 /// survey entries that disagree, how well the scale is known without one, sub-maps whose frame its
 /// points don't fix, captures whose rig files differ.
 [[nodiscard]] std::vector<Finding> calibration_findings(const BuildResult& result,
-                                                        const ObservationTable& table,
+                                                        const Observations& observations,
                                                         const BuildOptions& options);
 
 }  // namespace waymark

@@ -32,7 +32,7 @@ Eigen::Vector2d centre_of(const ImageCorners& corners) {
 
 }  // namespace
 
-bool has_clear_sight(const MapEvidence& evidence, int frame_set, const SizedPlace& place,
+bool has_clear_sight(const MapEvidence& evidence, FrameSetIndex frame_set, const SizedPlace& place,
                      double least_side_px) {
   constexpr double kBeside = 4.0;      // sides
   constexpr double kLeastDepth = 0.8;  // of the place's: a wall in between would hide both
@@ -50,7 +50,7 @@ bool has_clear_sight(const MapEvidence& evidence, int frame_set, const SizedPlac
     if (!corners) continue;
     const double side = std::sqrt(area_px2(*corners));
     if (side < least_side_px) continue;
-    const bool proven = std::any_of(seen.begin(), seen.end(), [&](const TableObservation* o) {
+    const bool proven = std::any_of(seen.begin(), seen.end(), [&](const MarkerObservation* o) {
       return o->camera == static_cast<int>(c) && o->ippe &&
              (centre_of(o->corners_px) - centre_of(*corners)).norm() < kBeside * side &&
              o->ippe->cam_from_marker[0].translation.norm() >

@@ -8,7 +8,7 @@ namespace waymark {
 /// image, at least `least_side_px` large and within 60° of its normal, and another marker is seen
 /// beside it (within four sides in the image) that is no nearer: nothing stands in between. A
 /// marker that is not found there is not there. False where nothing can be told.
-[[nodiscard]] bool has_clear_sight(const MapEvidence& evidence, int frame_set,
+[[nodiscard]] bool has_clear_sight(const MapEvidence& evidence, FrameSetIndex frame_set,
                                    const SizedPlace& place, double least_side_px);
 
 }  // namespace waymark

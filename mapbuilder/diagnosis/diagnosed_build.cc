@@ -4,19 +4,19 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/parallel.h"
+#include "mapbuilder/diagnosis/marker_corrections.h"
 #include "mapbuilder/diagnosis/marker_findings.h"
-#include "mapbuilder/diagnosis/table_corrections.h"
 
 namespace waymark {
 namespace {
 
-/// The given table's observations that a map rests on: those that no gate rejects.
-std::set<std::size_t> mapped_observations(const CorrectedTable& corrected,
-                                          const BuildResult& result) {
-  std::set<std::size_t> mapped;
+/// The observations that a map rests on: those that no gate rejects.
+std::set<ObservationIndex> mapped_observations(const BuildResult& result) {
+  std::set<ObservationIndex> mapped;
   for (const BuiltSubMap& submap : result.submaps) {
     for (const ObservationResidual& residual : submap.residuals) {
-      if (residual.accepted) mapped.insert(corrected.given_index[residual.observation]);
+      if (residual.accepted) mapped.insert(residual.observation);
     }
   }
   return mapped;
@@ -27,13 +27,14 @@ constexpr double kSameSize = 0.002;
 
 /// Whether a map built with corrections would be another one than that built with those before:
 /// what the gate keeps out of it already changes nothing.
-bool would_change(const TableCorrections& before, const TableCorrections& after,
-                  const std::set<std::size_t>& mapped) {
+bool would_change(const Corrections& before, const Corrections& after,
+                  const std::set<ObservationIndex>& mapped) {
   const bool acquitted =
       std::any_of(before.left_out.begin(), before.left_out.end(),
-                  [&](std::size_t index) { return !after.left_out.contains(index); });
-  const bool condemned = std::any_of(after.left_out.begin(), after.left_out.end(),
-                                     [&](std::size_t index) { return mapped.contains(index); });
+                  [&](ObservationIndex index) { return !after.left_out.contains(index); });
+  const bool condemned =
+      std::any_of(after.left_out.begin(), after.left_out.end(),
+                  [&](ObservationIndex index) { return mapped.contains(index); });
   const bool same_sizes = std::equal(
       before.sizes_m.begin(), before.sizes_m.end(), after.sizes_m.begin(), after.sizes_m.end(),
       [](const auto& a, const auto& b) {
@@ -42,15 +43,15 @@ bool would_change(const TableCorrections& before, const TableCorrections& after,
   return acquitted || condemned || !same_sizes;
 }
 
-/// What is wrong in all components of a built table.
-std::vector<MarkerDiagnosis> diagnose(const BuildResult& result, const BuildOptions& options,
-                                      const DiagnosisOptions& diagnosis_options,
-                                      const std::vector<double>& stated_sizes_m,
-                                      ObservationTable& table) {
+/// What is wrong in all components. The prepared observations must outlive it.
+std::vector<MarkerDiagnosis> diagnose(const PreparedObservations& prepared,
+                                      const BuildResult& result, const BuildOptions& options,
+                                      const DiagnosisOptions& diagnosis_options) {
   std::vector<MarkerDiagnosis> diagnoses;
-  for (const ComponentFit& fit : result.calibration.fits) {
-    if (fit.component.markers.size() < 2) continue;
-    const MapEvidence evidence(table, fit, options, stated_sizes_m);
+  const auto& components = prepared.selection().components();
+  for (const ComponentIndex c : components.indices()) {
+    if (components[c].markers.size() < 2) continue;
+    const MapEvidence evidence(prepared, result.evidence(), c, options);
     diagnoses.push_back(diagnose_markers(evidence, diagnosis_options));
   }
   return diagnoses;
@@ -66,66 +67,42 @@ std::optional<std::size_t> submap_of(const BuildResult& result, MarkerId marker)
   return std::nullopt;
 }
 
-/// The build took fitted sizes for stated ones; users see what they stated.
-void restore_stated_sizes(const TableCorrections& corrections,
-                          const std::vector<double>& stated_sizes_m, ObservationTable& table,
-                          BuildResult& result) {
-  for (const auto& [marker, fitted_m] : corrections.sizes_m) {
-    const auto m = static_cast<std::size_t>(marker);
-    table.stated_sizes_m[m] = stated_sizes_m[m];
-    for (std::size_t s = 0; s < result.submaps.size(); ++s) {
-      for (std::size_t i = 0; i < result.submaps[s].map.markers.size(); ++i) {
-        if (result.submaps[s].map.markers[i].id != table.markers[m]) continue;
-        result.submaps[s].map.markers[i].stated_size_m = stated_sizes_m[m];
-        result.map.submaps[s].markers[i].stated_size_m = stated_sizes_m[m];
-      }
-    }
-  }
-}
-
 }  // namespace
 
-DiagnosedBuild build_and_diagnose(ObservationTable& table, const BuildOptions& options,
+DiagnosedBuild build_and_diagnose(const Observations& observations, const BuildOptions& options,
                                   const DiagnosisOptions& diagnosis_options, Progress& progress) {
   // One build where nothing is wrong; what something worse hid, or made look wrong, shows in the
   // second and third.
   constexpr int kMostBuilds = 5;
-  // A build may refine the table's rigs and sizes; each starts from what was given.
-  const ObservationTable given = table;
   DiagnosedBuild build;
-  TableCorrections corrections;
-  CorrectedTable corrected = uncorrected(std::move(table));
+  Corrections corrections;
   for (int builds = 1;; ++builds) {
-    build.result = build_map(corrected.table, options, progress);
-    const auto diagnoses =
-        diagnose(build.result, options, diagnosis_options, given.stated_sizes_m, corrected.table);
-    TableCorrections better = corrections_for(corrected, diagnoses);
-    if (builds < kMostBuilds &&
-        would_change(corrections, better, mapped_observations(corrected, build.result))) {
-      corrections = better;
-      corrected = correct(given, corrections);
+    const Selection selection(observations, corrections);
+    build.result = build_map(selection, options, progress);
+    const PreparedObservations prepared(selection, build.result.evidence(),
+                                        effective_threads(options.threads));
+    const auto diagnoses = diagnose(prepared, build.result, options, diagnosis_options);
+    Corrections better = corrections_for(selection, diagnoses);
+    const bool changes = would_change(corrections, better, mapped_observations(build.result));
+    if (changes && builds < kMostBuilds) {
+      corrections = std::move(better);
       continue;
     }
-    // Before the table that the views point into is replaced.
     for (const MarkerDiagnosis& diagnosis : diagnoses) {
-      for (Finding& finding : marker_findings(corrected.table, diagnosis)) {
+      for (Finding& finding : marker_findings(observations, diagnosis)) {
         build.findings.push_back(std::move(finding));
       }
     }
-    if (would_change(corrections, better, mapped_observations(corrected, build.result))) {
+    if (changes) {
       // No end of it: nothing that is named may stay in.
       better.left_out.insert(corrections.left_out.begin(), corrections.left_out.end());
-      corrections = std::move(better);
-      corrected = correct(given, corrections);
-      build.result = build_map(corrected.table, options, progress);
-    }
-    for (Finding& finding : build.findings) {
-      finding.submap = submap_of(build.result, finding.markers.front());
+      build.result = build_map(Selection(observations, better), options, progress);
     }
     break;
   }
-  table = std::move(corrected.table);
-  restore_stated_sizes(corrections, given.stated_sizes_m, table, build.result);
+  for (Finding& finding : build.findings) {
+    finding.submap = submap_of(build.result, finding.markers.front());
+  }
   return build;
 }
 

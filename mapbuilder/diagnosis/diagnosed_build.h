@@ -18,9 +18,8 @@ struct DiagnosedBuild {
 /// without them (with the fitted sizes) until the diagnosis stays the same, five times at most;
 /// once where the map rests on nothing that is wrong. Every diagnosis judges all observations,
 /// those left out before included: what only seemed wrong in a map that something worse had bent is
-/// acquitted. The table afterwards holds what the map rests on; `stated_size_m` of the map stays
-/// what was stated.
-[[nodiscard]] DiagnosedBuild build_and_diagnose(ObservationTable& table,
+/// acquitted.
+[[nodiscard]] DiagnosedBuild build_and_diagnose(const Observations& observations,
                                                 const BuildOptions& options,
                                                 const DiagnosisOptions& diagnosis,
                                                 Progress& progress);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 
 namespace waymark {
 namespace {
@@ -20,74 +19,60 @@ void resize(MarkerObservation& observation, double size_m) {
 
 }  // namespace
 
-MapEvidence::MapEvidence(ObservationTable& table, const ComponentFit& fit,
-                         const BuildOptions& options, const std::vector<double>& stated_sizes_m)
-    : table_(table),
-      fit_(fit),
-      options_(options),
-      stated_sizes_m_(stated_sizes_m),
-      markers_(fit.component.markers),
-      places_(table.markers.size()),
-      rigs_(table.frame_sets.size()),
-      repeated_of_(table.markers.size()),
-      repeated_in_(table.frame_sets.size()),
-      accepted_(table.observations.size(), 1) {
-  options_.growth.rig_pose.loss = options.loss;
-  options_.growth.placement.loss = options.loss;
-  NoiseModel noise = options.noise;
-  noise.model_sigma_px = fit.model_sigma_px;
-  set_whitening(table, noise);
-  for (TableObservation& o : table.repeated) {
-    resize(o, table.sizes_m[static_cast<std::size_t>(o.marker)]);
-  }
-  for (std::size_t i = 0; i < fit.component.markers.size(); ++i) {
-    const auto m = static_cast<std::size_t>(fit.component.markers[i]);
-    if (fit.world_from_marker[i]) {
-      places_[m] = SizedPlace{*fit.world_from_marker[i], table.sizes_m[m]};
+MapEvidence::MapEvidence(const PreparedObservations& prepared, const Estimate& estimate,
+                         ComponentIndex component, const MapperOptions& options)
+    : prepared_(prepared),
+      estimate_(estimate),
+      component_(prepared.selection().components()[component]),
+      options_(effective(options)),
+      markers_(component_.markers),
+      places_(observations().markers.size()),
+      rigs_(observations().frame_sets.size()),
+      unused_of_(observations().markers.size()),
+      unused_in_(observations().frame_sets.size()),
+      accepted_(observations().all.size(), 0) {
+  for (const MarkerIndex m : component_.markers) {
+    if (estimate.world_from_marker[m]) {
+      places_[m] = SizedPlace{*estimate.world_from_marker[m], size_m(m)};
     }
   }
-  for (std::size_t i = 0; i < fit.component.frame_sets.size(); ++i) {
-    rigs_[static_cast<std::size_t>(fit.component.frame_sets[i])] = fit.world_from_rig[i];
+  for (const FrameSetIndex f : component_.frame_sets) {
+    const auto& rig = estimate.world_from_rig[f];
+    if (rig && !rig->ambiguous) rigs_[f] = rig->best.pose;
   }
-  for (const std::size_t index : fit.rejected) accepted_[index] = 0;
-  for (std::size_t i = 0; i < table.repeated.size(); ++i) {
-    const TableObservation& o = table.repeated[i];
+  const Selection& selection = prepared.selection();
+  for (const ObservationIndex index : selection.used()) {
+    if (estimate.accepts(index) && places_[selection[index].marker]) accepted_[index] = 1;
+  }
+  for (const ObservationIndex index : selection.unused()) {
+    const Observation& o = selection[index];
     if (std::binary_search(frame_sets().begin(), frame_sets().end(), o.frame_set)) {
       markers_.push_back(o.marker);
     }
-    const std::size_t index = table.observations.size() + i;
-    repeated_of_[static_cast<std::size_t>(o.marker)].push_back(index);
-    repeated_in_[static_cast<std::size_t>(o.frame_set)].push_back(index);
+    unused_of_[o.marker].push_back(index);
+    unused_in_[o.frame_set].push_back(index);
   }
   std::sort(markers_.begin(), markers_.end());
   markers_.erase(std::unique(markers_.begin(), markers_.end()), markers_.end());
 }
 
-const TableObservation& MapEvidence::observation(std::size_t index) const {
-  return index < table_.observations.size() ? table_.observations[index]
-                                            : table_.repeated[index - table_.observations.size()];
-}
-
-std::vector<std::size_t> MapEvidence::indices_in(int frame_set) const {
-  const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(frame_set)];
-  std::vector<std::size_t> indices(set.observation_count);
-  std::iota(indices.begin(), indices.end(), set.first_observation);
-  const auto& repeated = repeated_in_[static_cast<std::size_t>(frame_set)];
-  indices.insert(indices.end(), repeated.begin(), repeated.end());
+std::vector<ObservationIndex> MapEvidence::indices_in(FrameSetIndex frame_set) const {
+  const auto used = prepared_.selection().used_in(frame_set);
+  std::vector<ObservationIndex> indices(used.begin(), used.end());
+  const auto& unused = unused_in_[frame_set];
+  indices.insert(indices.end(), unused.begin(), unused.end());
   return indices;
 }
 
-std::vector<const TableObservation*> MapEvidence::seen_in(int frame_set) const {
-  std::vector<const TableObservation*> seen;
-  for (const std::size_t index : indices_in(frame_set)) seen.push_back(&observation(index));
+std::vector<const MarkerObservation*> MapEvidence::seen_in(FrameSetIndex frame_set) const {
+  std::vector<const MarkerObservation*> seen;
+  for (const ObservationIndex index : indices_in(frame_set)) seen.push_back(&prepared_[index]);
   return seen;
 }
 
-std::vector<MarkerView> MapEvidence::views_in(int frame_set) const {
+std::vector<MarkerView> MapEvidence::views_in(FrameSetIndex frame_set) const {
   std::vector<MarkerView> views;
-  for (const std::size_t index : indices_in(frame_set)) {
-    views.push_back(view_of(observation(index), index));
-  }
+  for (const ObservationIndex index : indices_in(frame_set)) views.push_back(view_of(index));
   return views;
 }
 
@@ -95,68 +80,58 @@ double MapEvidence::gate_sigmas2() const {
   return options_.gate.reject_sigmas * options_.gate.reject_sigmas;
 }
 
-const Rig& MapEvidence::rig_of(int frame_set) const {
-  return fit_
-      .rigs[static_cast<std::size_t>(table_.frame_sets[static_cast<std::size_t>(frame_set)].rig)];
+const Rig& MapEvidence::rig_of(FrameSetIndex frame_set) const {
+  return estimate_.calibration.rigs[observations().frame_sets[frame_set].rig];
 }
 
-RigPoseSolver MapEvidence::solver_for(int frame_set) const {
+RigPoseSolver MapEvidence::solver_for(FrameSetIndex frame_set) const {
   return {rig_of(frame_set), options_.growth.rig_pose};
 }
 
-bool MapEvidence::is_accepted(std::size_t index) const {
-  return index < accepted_.size() && accepted_[index] != 0 &&
-         places_[static_cast<std::size_t>(table_.observations[index].marker)];
-}
-
-MarkerView MapEvidence::view_of(const TableObservation& o, std::size_t index) const {
+MarkerView MapEvidence::view_of(ObservationIndex index) const {
+  const Observation& o = observations()[index];
   MarkerView view;
-  view.observation = &o;
-  view.camera = &rig_of(o.frame_set).cameras[static_cast<std::size_t>(o.camera)];
-  view.world_from_cam =
-      rigs_[static_cast<std::size_t>(o.frame_set)].value_or(Rigid3{}) * view.camera->rig_from_cam;
   view.index = index;
-  view.accepted = is_accepted(index);
-  const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(o.frame_set)];
-  for (std::size_t i = 0; i < set.observation_count; ++i) {
-    const std::size_t other = set.first_observation + i;
-    if (is_accepted(other) && table_.observations[other].marker != o.marker) ++view.others;
+  view.frame_set = o.frame_set;
+  view.marker = o.marker;
+  view.observation = &prepared_[index];
+  view.camera = &estimate_.calibration.camera(observations(), o);
+  view.world_from_cam = rigs_[o.frame_set].value_or(Rigid3{}) * view.camera->rig_from_cam;
+  view.accepted = accepted_[index] != 0;
+  for (const ObservationIndex other : prepared_.selection().used_in(o.frame_set)) {
+    if (accepted_[other] != 0 && observations()[other].marker != o.marker) ++view.others;
   }
   return view;
 }
 
-std::vector<MarkerView> MapEvidence::views_of(int marker, int least_others) const {
+std::vector<MarkerView> MapEvidence::views_of(MarkerIndex marker, int least_others) const {
   std::vector<MarkerView> views;
-  const auto m = static_cast<std::size_t>(marker);
-  const auto add = [&](std::size_t index) {
-    const TableObservation& o = observation(index);
-    if (!rigs_[static_cast<std::size_t>(o.frame_set)]) return;
-    const MarkerView view = view_of(o, index);
+  const auto add = [&](ObservationIndex index) {
+    if (!rigs_[observations()[index].frame_set]) return;
+    const MarkerView view = view_of(index);
     if (view.others >= least_others) views.push_back(view);
   };
-  for (const std::size_t index : table_.observations_of_marker[m]) add(index);
-  for (const std::size_t index : repeated_of_[m]) add(index);
+  for (const ObservationIndex index : prepared_.selection().used_of(marker)) add(index);
+  for (const ObservationIndex index : unused_of_[marker]) add(index);
   return views;
 }
 
 std::vector<FixedMarkerObservation> MapEvidence::others_of(const MarkerView& view) const {
   std::vector<FixedMarkerObservation> others;
-  const TableObservation& own = *view.observation;
-  const TableFrameSet& set = table_.frame_sets[static_cast<std::size_t>(own.frame_set)];
-  for (std::size_t i = 0; i < set.observation_count; ++i) {
-    const std::size_t index = set.first_observation + i;
-    const TableObservation& o = table_.observations[index];
-    if (!is_accepted(index) || o.marker == own.marker) continue;
-    others.push_back({&o, places_[static_cast<std::size_t>(o.marker)]->world_from_marker});
+  for (const ObservationIndex index : prepared_.selection().used_in(view.frame_set)) {
+    const MarkerIndex marker = observations()[index].marker;
+    if (accepted_[index] == 0 || marker == view.marker) continue;
+    others.push_back({&prepared_[index], places_[marker]->world_from_marker});
   }
   return others;
 }
 
-std::vector<MarkerView> MapEvidence::independent_views_of(int marker, int least_others) const {
+std::vector<MarkerView> MapEvidence::independent_views_of(MarkerIndex marker,
+                                                          int least_others) const {
   std::vector<MarkerView> independent;
   for (MarkerView view : views_of(marker, least_others)) {
-    const int frame_set = view.observation->frame_set;
-    const auto found = solver_for(frame_set).refine(others_of(view), *world_from_rig(frame_set));
+    const auto found =
+        solver_for(view.frame_set).refine(others_of(view), *world_from_rig(view.frame_set));
     if (!found) continue;
     view.world_from_cam = found->pose * view.camera->rig_from_cam;
     independent.push_back(view);

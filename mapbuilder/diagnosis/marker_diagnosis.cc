@@ -25,14 +25,14 @@ class MarkerJudge {
   MarkerJudge(const MapEvidence& evidence, const DiagnosisOptions& options)
       : evidence_(evidence),
         options_(options),
-        places_(evidence.table().markers.size()),
+        places_(evidence.observations().markers.size()),
         judge_(evidence, places_, options.wrong_ids) {
-    for (const int marker : evidence.markers()) {
+    for (const MarkerIndex marker : evidence.markers()) {
       if (!evidence.place(marker)) continue;
       if (views_of(marker, true) < kFewViews || stands_on_another(evidence, marker)) {
         doubtful_.insert(marker);
       } else {
-        places_[static_cast<std::size_t>(marker)].push_back(*evidence.place(marker));
+        places_[marker].push_back(*evidence.place(marker));
       }
     }
   }
@@ -42,9 +42,9 @@ class MarkerJudge {
     diagnosis.sizes = find_wrong_sizes(evidence_, options_.size);
     // A marker of wrong size seems to be where it is not; it is judged when its size is right.
     constexpr double kRight = 0.01;
-    std::vector<int> judged = evidence_.markers();
+    std::vector<MarkerIndex> judged = evidence_.markers();
     for (const WrongSize& wrong : diagnosis.sizes) {
-      const double used_m = evidence_.table().sizes_m[static_cast<std::size_t>(wrong.marker)];
+      const double used_m = evidence_.size_m(wrong.marker);
       if (std::abs(wrong.fitted_m / used_m - 1.0) > kRight) std::erase(judged, wrong.marker);
     }
 
@@ -53,7 +53,7 @@ class MarkerJudge {
                  [&](std::size_t i) { verdicts[i] = verdict_of(judged[i]); });
     for (std::size_t i = 0; i < judged.size(); ++i) {
       if (!verdicts[i].displaced) continue;
-      auto& places = places_[static_cast<std::size_t>(judged[i])];
+      auto& places = places_[judged[i]];
       places.clear();
       for (const PlaceCluster& cluster : verdicts[i].displaced->places) {
         places.push_back(cluster.place);
@@ -72,7 +72,7 @@ class MarkerJudge {
       }
       if (verdict.displaced) diagnosis.displaced.push_back(*std::move(verdict.displaced));
     }
-    for (const int frame_set : contradictory_pairs(wrong_ids)) {
+    for (const FrameSetIndex frame_set : contradictory_pairs(wrong_ids)) {
       if (const auto wrong = judge_.wrong_of_two(frame_set)) wrong_ids.push_back(*wrong);
     }
     diagnosis.part_time = find_part_time_markers(evidence_, options_.presence);
@@ -86,7 +86,7 @@ class MarkerJudge {
 
  private:
   /// What the marker's own views and the mapped places of the others tell.
-  [[nodiscard]] MarkerVerdict verdict_of(int marker) const {
+  [[nodiscard]] MarkerVerdict verdict_of(MarkerIndex marker) const {
     MarkerVerdict verdict;
     std::vector<MarkerView> firm;
     bool contradicted = false;
@@ -120,7 +120,7 @@ class MarkerJudge {
     return verdict;
   }
 
-  [[nodiscard]] std::ptrdiff_t views_of(int marker, bool accepted_only) const {
+  [[nodiscard]] std::ptrdiff_t views_of(MarkerIndex marker, bool accepted_only) const {
     const auto views = evidence_.views_of(marker, 0);
     return std::count_if(views.begin(), views.end(),
                          [&](const MarkerView& view) { return view.accepted || !accepted_only; });
@@ -132,12 +132,12 @@ class MarkerJudge {
 
   /// Whether the view shows the marker where the map has it.
   [[nodiscard]] bool at_home(const MarkerView& view) const {
-    const auto& home = evidence_.place(view.observation->marker);
+    const auto& home = evidence_.place(view.marker);
     return home && fits_at(view, *home);
   }
 
   [[nodiscard]] std::optional<DisplacedMarker> displaced(
-      int marker, const std::vector<PlaceCluster>& places) const {
+      MarkerIndex marker, const std::vector<PlaceCluster>& places) const {
     DisplacedMarker displaced;
     displaced.marker = marker;
     for (const PlaceCluster& place : places) {
@@ -159,11 +159,12 @@ class MarkerJudge {
 
   /// Frame sets that see two markers of which the gate rejects one or both, and of which nothing is
   /// known to be wrong yet.
-  [[nodiscard]] std::vector<int> contradictory_pairs(const std::vector<WrongId>& known) const {
-    std::set<int> done;
-    for (const WrongId& wrong : known) done.insert(wrong.view.observation->frame_set);
-    std::vector<int> pairs;
-    for (const int frame_set : evidence_.frame_sets()) {
+  [[nodiscard]] std::vector<FrameSetIndex> contradictory_pairs(
+      const std::vector<WrongId>& known) const {
+    std::set<FrameSetIndex> done;
+    for (const WrongId& wrong : known) done.insert(wrong.view.frame_set);
+    std::vector<FrameSetIndex> pairs;
+    for (const FrameSetIndex frame_set : evidence_.frame_sets()) {
       if (done.contains(frame_set)) continue;
       const auto views = evidence_.views_in(frame_set);
       if (views.size() == 2 && !(views[0].accepted && views[1].accepted)) {
@@ -177,7 +178,7 @@ class MarkerJudge {
   DiagnosisOptions options_;
   PlacesOfMarkers places_;
   WrongIdJudge judge_;
-  std::set<int> doubtful_;  ///< mapped, but perhaps only read off other markers
+  std::set<MarkerIndex> doubtful_;  ///< mapped, but perhaps only read off other markers
 };
 
 }  // namespace

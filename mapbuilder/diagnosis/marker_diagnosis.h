@@ -22,7 +22,7 @@ struct DiagnosisOptions {
 
 /// An id that was seen at more than one place.
 struct DisplacedMarker {
-  int marker = 0;                    ///< table index
+  MarkerIndex marker;
   std::vector<PlaceCluster> places;  ///< two or more, most views first
   PlaceHistory history;              ///< of the first two
   /// The place that the map keeps (index in places); nullopt: kept out of the map.

@@ -10,10 +10,10 @@
 namespace waymark {
 namespace {
 
-/// Puts a diagnosis of one table into words.
+/// Puts a diagnosis into words.
 class FindingWriter {
  public:
-  explicit FindingWriter(const ObservationTable& table) : table_(table) {}
+  explicit FindingWriter(const Observations& observations) : observations_(observations) {}
 
   [[nodiscard]] Finding wrong_size(const WrongSize& wrong) const {
     Finding finding = about(FindingKind::wrong_size, wrong.marker);
@@ -81,7 +81,7 @@ class FindingWriter {
                        {"turned by", turned_deg, "°", {}},
                        {"views at the first place", static_cast<double>(a.views.size()), "", {}},
                        {"views at the second place", static_cast<double>(b.views.size()), "", {}}};
-    std::set<int> captures;
+    std::set<CaptureIndex> captures;
     for (const PlaceCluster& place : displaced.places) add_captures(place.views, captures);
     finding.captures = names_of(captures);
     return finding;
@@ -90,25 +90,24 @@ class FindingWriter {
   /// All wrong readings of one id.
   [[nodiscard]] Finding wrong_ids(const std::vector<const WrongId*>& wrong) const {
     constexpr std::size_t kMostListed = 50;
-    const int marker = wrong.front()->view.observation->marker;
+    const MarkerIndex marker = wrong.front()->view.marker;
     Finding finding = about(FindingKind::wrong_id, marker);
     finding.title = fmt::format(
         "{} read as marker {} show{} something else",
         wrong.size() == 1 ? std::string("A detection") : fmt::format("{} detections", wrong.size()),
         name(marker), wrong.size() == 1 ? "s" : "");
-    std::set<int> captures;
+    std::set<CaptureIndex> captures;
     std::set<std::string> cameras;
     for (std::size_t i = 0; i < wrong.size(); ++i) {
       const MarkerView& view = wrong[i]->view;
-      const TableFrameSet& set =
-          table_.frame_sets[static_cast<std::size_t>(view.observation->frame_set)];
+      const ObservedFrameSet& set = observations_.frame_sets[view.frame_set];
       captures.insert(set.capture);
       cameras.insert(view.camera->name);
       if (i >= kMostListed) continue;
       finding.evidence += fmt::format(
           "{}{} in frame set {}: {}", i == 0 ? "" : "; ", view.camera->name, set.stamp.count(),
-          wrong[i]->truly >= 0 ? "it is marker " + name(wrong[i]->truly)
-                               : std::string("no mapped marker stands there"));
+          wrong[i]->truly ? "it is marker " + name(*wrong[i]->truly)
+                          : std::string("no mapped marker stands there"));
     }
     if (wrong.size() > kMostListed) {
       finding.evidence += fmt::format("; and {} more", wrong.size() - kMostListed);
@@ -130,8 +129,8 @@ class FindingWriter {
                                 !marker.appeared ? "hangs in some captures and not in others"
                                 : came           ? "is new"
                                                  : "is gone");
-    const std::set<int> seen(marker.seen_in.begin(), marker.seen_in.end());
-    const std::set<int> empty(marker.empty_in.begin(), marker.empty_in.end());
+    const std::set<CaptureIndex> seen(marker.seen_in.begin(), marker.seen_in.end());
+    const std::set<CaptureIndex> empty(marker.empty_in.begin(), marker.empty_in.end());
     finding.evidence = fmt::format(
         "It is seen in {}; in {} {} frame sets look at its place with clear sight and do not find "
         "it.",
@@ -145,48 +144,46 @@ class FindingWriter {
   }
 
  private:
-  [[nodiscard]] Finding about(FindingKind kind, int marker) const {
+  [[nodiscard]] Finding about(FindingKind kind, MarkerIndex marker) const {
     Finding finding;
     finding.kind = kind;
-    finding.markers = {table_.markers[static_cast<std::size_t>(marker)]};
+    finding.markers = {observations_.markers[marker]};
     return finding;
   }
 
-  [[nodiscard]] std::string name(int marker) const {
-    return format_marker_id(table_.markers[static_cast<std::size_t>(marker)],
-                            table_.several_families());
+  [[nodiscard]] std::string name(MarkerIndex marker) const {
+    return format_marker_id(observations_.markers[marker], observations_.several_families());
   }
 
-  void add_captures(const std::vector<MarkerView>& views, std::set<int>& captures) const {
+  void add_captures(const std::vector<MarkerView>& views, std::set<CaptureIndex>& captures) const {
     for (const MarkerView& view : views) {
-      captures.insert(
-          table_.frame_sets[static_cast<std::size_t>(view.observation->frame_set)].capture);
+      captures.insert(observations_.frame_sets[view.frame_set].capture);
     }
   }
 
-  [[nodiscard]] std::vector<std::string> names_of(const std::set<int>& captures) const {
+  [[nodiscard]] std::vector<std::string> names_of(const std::set<CaptureIndex>& captures) const {
     std::vector<std::string> names;
-    for (const int c : captures) names.push_back(table_.capture_names[static_cast<std::size_t>(c)]);
+    for (const CaptureIndex c : captures) names.push_back(observations_.captures[c].name);
     return names;
   }
 
-  const ObservationTable& table_;
+  const Observations& observations_;
 };
 
 }  // namespace
 
-std::vector<Finding> marker_findings(const ObservationTable& table,
+std::vector<Finding> marker_findings(const Observations& observations,
                                      const MarkerDiagnosis& diagnosis) {
-  const FindingWriter writer(table);
+  const FindingWriter writer(observations);
   std::vector<Finding> findings;
   for (const WrongSize& wrong : diagnosis.sizes) findings.push_back(writer.wrong_size(wrong));
   for (const DisplacedMarker& marker : diagnosis.displaced) {
     findings.push_back(writer.displaced(marker));
   }
-  std::map<int, std::vector<const WrongId*>> by_marker;
+  std::map<MarkerIndex, std::vector<const WrongId*>> by_marker;
   for (const auto* wrong_ids : {&diagnosis.wrong_ids, &diagnosis.strays}) {
     for (const WrongId& wrong : *wrong_ids) {
-      by_marker[wrong.view.observation->marker].push_back(&wrong);
+      by_marker[wrong.view.marker].push_back(&wrong);
     }
   }
   for (const auto& [marker, wrong] : by_marker) findings.push_back(writer.wrong_ids(wrong));

@@ -9,7 +9,7 @@ namespace waymark {
 
 /// The diagnosis in plain words with figures: wrong sizes, markers at two places, then wrong ids
 /// (one finding per id that was read wrongly, each detection by camera and stamp).
-[[nodiscard]] std::vector<Finding> marker_findings(const ObservationTable& table,
+[[nodiscard]] std::vector<Finding> marker_findings(const Observations& observations,
                                                    const MarkerDiagnosis& diagnosis);
 
 }  // namespace waymark

@@ -24,8 +24,8 @@ double parallax_rad(const PlaceCluster& cluster) {
 }
 
 std::size_t frame_sets_of(const PlaceCluster& cluster) {
-  std::set<int> sets;
-  for (const MarkerView& view : cluster.views) sets.insert(view.observation->frame_set);
+  std::set<FrameSetIndex> sets;
+  for (const MarkerView& view : cluster.views) sets.insert(view.frame_set);
   return sets.size();
 }
 
@@ -85,7 +85,7 @@ std::optional<PlaceCluster> grown_from(const MapEvidence& evidence,
 /// Where the map has the marker, as far as views agree.
 std::optional<PlaceCluster> home(const MapEvidence& evidence,
                                  const std::vector<MarkerView>& views) {
-  const auto& place = evidence.place(views.front().observation->marker);
+  const auto& place = evidence.place(views.front().marker);
   if (!place) return std::nullopt;
   std::vector<MarkerView> placing = views;
   std::erase_if(placing, [&](const MarkerView& view) {
@@ -128,7 +128,7 @@ std::vector<PlaceCluster> find_places(const MapEvidence& evidence, std::vector<M
     auto found = i == 0 ? home(evidence, views) : std::nullopt;
     if (!found || found->views.size() < least_views) found = best_place(evidence, views);
     if (!found || found->views.size() < least_views) break;
-    std::set<std::size_t> taken;
+    std::set<ObservationIndex> taken;
     for (const MarkerView& view : found->views) taken.insert(view.index);
     std::erase_if(views, [&](const MarkerView& view) { return taken.contains(view.index); });
     const bool apart = std::all_of(places.begin(), places.end(), [&](const PlaceCluster& p) {

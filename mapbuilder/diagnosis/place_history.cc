@@ -22,8 +22,8 @@ struct Period {
   [[nodiscard]] bool holds(Stamp stamp) const { return first <= stamp && stamp <= last; }
 };
 
-const TableFrameSet& frame_set_of(const MapEvidence& evidence, int index) {
-  return evidence.table().frame_sets[static_cast<std::size_t>(index)];
+const ObservedFrameSet& frame_set_of(const MapEvidence& evidence, FrameSetIndex index) {
+  return evidence.observations().frame_sets[index];
 }
 
 double smallest_side_px(const PlaceCluster& cluster) {
@@ -39,18 +39,17 @@ class Sightings {
   Sightings(const MapEvidence& evidence, const PlaceCluster& cluster, double least_side_px)
       : evidence_(evidence), place_(cluster.place), least_side_px_(least_side_px) {
     for (const MarkerView& view : cluster.views) {
-      const int frame_set = view.observation->frame_set;
-      sets_.insert(frame_set);
-      const TableFrameSet& set = frame_set_of(evidence, frame_set);
+      sets_.insert(view.frame_set);
+      const ObservedFrameSet& set = frame_set_of(evidence, view.frame_set);
       periods_[set.capture].add(set.stamp);
     }
   }
 
-  [[nodiscard]] const std::map<int, Period>& periods() const { return periods_; }
-  [[nodiscard]] const std::set<int>& sets() const { return sets_; }
+  [[nodiscard]] const std::map<CaptureIndex, Period>& periods() const { return periods_; }
+  [[nodiscard]] const std::set<FrameSetIndex>& sets() const { return sets_; }
 
   /// Whether the frame set would have shown the marker here, but did not.
-  [[nodiscard]] bool empty_in(int frame_set) const {
+  [[nodiscard]] bool empty_in(FrameSetIndex frame_set) const {
     return !sets_.contains(frame_set) &&
            has_clear_sight(evidence_, frame_set, place_, least_side_px_);
   }
@@ -61,7 +60,7 @@ class Sightings {
   [[nodiscard]] double found_share(const Filter& among) const {
     double found = 0;
     double missed = 0;
-    for (const int f : evidence_.frame_sets()) {
+    for (const FrameSetIndex f : evidence_.frame_sets()) {
       if (!among(frame_set_of(evidence_, f))) continue;
       if (sets_.contains(f)) {
         ++found;
@@ -72,7 +71,7 @@ class Sightings {
     return found / std::max(1.0, found + missed);
   }
   [[nodiscard]] double found_share_in_its_time() const {
-    return found_share([&](const TableFrameSet& set) {
+    return found_share([&](const ObservedFrameSet& set) {
       const auto period = periods_.find(set.capture);
       return period != periods_.end() && period->second.holds(set.stamp);
     });
@@ -81,8 +80,8 @@ class Sightings {
  private:
   const MapEvidence& evidence_;
   SizedPlace place_;
-  std::map<int, Period> periods_;  // by capture
-  std::set<int> sets_;
+  std::map<CaptureIndex, Period> periods_;  // by capture
+  std::set<FrameSetIndex> sets_;
   double least_side_px_;
 };
 
@@ -120,13 +119,13 @@ void tell_order(const MapEvidence& evidence, const Sightings& first, const Sight
   Period a;
   Period b;
   const auto monotonic = [&](const auto& seen) {
-    return evidence.table().capture_monotonic[static_cast<std::size_t>(seen.first)] != 0;
+    return evidence.observations().captures[seen.first].monotonic;
   };
   if (std::any_of(first.periods().begin(), first.periods().end(), monotonic) ||
       std::any_of(second.periods().begin(), second.periods().end(), monotonic)) {
     return;
   }
-  for (const TableFrameSet& set : evidence.table().frame_sets) {
+  for (const ObservedFrameSet& set : evidence.observations().frame_sets) {
     if (first.periods().contains(set.capture)) a.add(set.stamp);
     if (second.periods().contains(set.capture)) b.add(set.stamp);
   }
@@ -135,7 +134,7 @@ void tell_order(const MapEvidence& evidence, const Sightings& first, const Sight
 }
 
 /// Whether a frame set belongs to the time in which only the other place can hold the marker.
-bool in_time_of_other(const TableFrameSet& set, const Sightings& own, const Sightings& other,
+bool in_time_of_other(const ObservedFrameSet& set, const Sightings& own, const Sightings& other,
                       const std::optional<bool>& other_is_later) {
   const auto of_own = own.periods().find(set.capture);
   const auto of_other = other.periods().find(set.capture);
@@ -155,8 +154,9 @@ PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
   PlaceHistory history;
   bool shared = false;
   tell_order(evidence, a, b, history, shared);
-  history.at_once = std::any_of(a.sets().begin(), a.sets().end(),
-                                [&](int frame_set) { return b.sets().contains(frame_set); });
+  history.at_once = std::any_of(a.sets().begin(), a.sets().end(), [&](FrameSetIndex frame_set) {
+    return b.sets().contains(frame_set);
+  });
 
   if (!history.interleaved) {
     // Looks at a place in the time of the other one.
@@ -165,7 +165,7 @@ PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
       const double missed = 1.0 - std::min(kMostFound, own.found_share_in_its_time());
       std::optional<bool> other_is_later = history.second_is_later;
       if (other_is_later && other_is_first) other_is_later = !*other_is_later;
-      for (const int f : evidence.frame_sets()) {
+      for (const FrameSetIndex f : evidence.frame_sets()) {
         if (!in_time_of_other(frame_set_of(evidence, f), own, other, other_is_later)) continue;
         if (!own.empty_in(f)) continue;
         ++history.empty_looks;
@@ -180,7 +180,7 @@ PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
       return history;
     }
   }
-  const auto always = [](const TableFrameSet&) { return true; };
+  const auto always = [](const ObservedFrameSet&) { return true; };
   const bool both_are_markers =
       std::min(a.found_share(always), b.found_share(always)) >= options.least_found;
   if (both_are_markers && prints_fit(first.place, second.place, options.least_print_distance)) {

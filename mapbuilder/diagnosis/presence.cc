@@ -19,9 +19,10 @@ struct Looks {
 };
 
 /// First and last stamp of some captures.
-std::pair<Stamp, Stamp> span_of(const ObservationTable& table, const std::vector<int>& captures) {
+std::pair<Stamp, Stamp> span_of(const Observations& observations,
+                                const std::vector<CaptureIndex>& captures) {
   std::pair<Stamp, Stamp> span{Stamp::max(), Stamp::min()};
-  for (const TableFrameSet& set : table.frame_sets) {
+  for (const ObservedFrameSet& set : observations.frame_sets) {
     if (std::find(captures.begin(), captures.end(), set.capture) == captures.end()) continue;
     span.first = std::min(span.first, set.stamp);
     span.second = std::max(span.second, set.stamp);
@@ -29,33 +30,33 @@ std::pair<Stamp, Stamp> span_of(const ObservationTable& table, const std::vector
   return span;
 }
 
-std::map<int, Looks> looks_at(const MapEvidence& evidence, int marker) {
-  std::map<int, Looks> looks;
+std::map<CaptureIndex, Looks> looks_at(const MapEvidence& evidence, MarkerIndex marker) {
+  std::map<CaptureIndex, Looks> looks;
   const auto views = evidence.views_of(marker, 0);
-  std::set<int> found;
+  std::set<FrameSetIndex> found;
   double least_side_px = std::numeric_limits<double>::infinity();
   double reach_m = 0;  // farther rigs need not be asked
   const Eigen::Vector3d& x_in_world = evidence.place(marker)->world_from_marker.translation;
-  const auto distance_m = [&](int frame_set) {
+  const auto distance_m = [&](FrameSetIndex frame_set) {
     return (evidence.world_from_rig(frame_set)->translation - x_in_world).norm();
   };
-  std::set<int> nearly;
+  std::set<FrameSetIndex> nearly;
   for (const MarkerView& view : views) {
     // A wrong id that was read once elsewhere is no sighting; what the gate rejects close by is no
     // absence either.
     if (!view.accepted) {
       if (distance_px(view, *evidence.place(marker)) < side_px(view)) {
-        nearly.insert(view.observation->frame_set);
+        nearly.insert(view.frame_set);
       }
       continue;
     }
-    found.insert(view.observation->frame_set);
+    found.insert(view.frame_set);
     least_side_px = std::min(least_side_px, side_px(view));
-    reach_m = std::max(reach_m, distance_m(view.observation->frame_set));
+    reach_m = std::max(reach_m, distance_m(view.frame_set));
   }
-  for (const int f : evidence.frame_sets()) {
+  for (const FrameSetIndex f : evidence.frame_sets()) {
     if (!evidence.world_from_rig(f)) continue;
-    const TableFrameSet& set = evidence.table().frame_sets[static_cast<std::size_t>(f)];
+    const ObservedFrameSet& set = evidence.observations().frame_sets[f];
     if (found.contains(f)) {
       ++looks[set.capture].found;
     } else if (!nearly.contains(f) && distance_m(f) <= reach_m &&
@@ -66,7 +67,7 @@ std::map<int, Looks> looks_at(const MapEvidence& evidence, int marker) {
   return looks;
 }
 
-std::optional<PartTimeMarker> part_time(const MapEvidence& evidence, int marker,
+std::optional<PartTimeMarker> part_time(const MapEvidence& evidence, MarkerIndex marker,
                                         const PresenceOptions& options) {
   constexpr double kMostFound = 0.9;  // nobody finds every marker every time
   PartTimeMarker result;
@@ -86,16 +87,16 @@ std::optional<PartTimeMarker> part_time(const MapEvidence& evidence, int marker,
   if (result.seen_in.empty() || result.empty_in.empty()) return std::nullopt;
   const double missed = 1.0 - std::min(kMostFound, found / looked);
   if (std::pow(missed, result.empty_looks) > options.most_by_chance) return std::nullopt;
-  const auto monotonic = [&](int capture) {
-    return evidence.table().capture_monotonic[static_cast<std::size_t>(capture)] != 0;
+  const auto monotonic = [&](CaptureIndex capture) {
+    return evidence.observations().captures[capture].monotonic;
   };
   // Stamps that count from the start of a computer say nothing across captures.
   if (std::any_of(result.seen_in.begin(), result.seen_in.end(), monotonic) ||
       std::any_of(result.empty_in.begin(), result.empty_in.end(), monotonic)) {
     return result;
   }
-  const auto seen = span_of(evidence.table(), result.seen_in);
-  const auto empty = span_of(evidence.table(), result.empty_in);
+  const auto seen = span_of(evidence.observations(), result.seen_in);
+  const auto empty = span_of(evidence.observations(), result.empty_in);
   if (empty.second < seen.first) result.appeared = true;
   if (seen.second < empty.first) result.appeared = false;
   return result;
@@ -106,8 +107,8 @@ std::optional<PartTimeMarker> part_time(const MapEvidence& evidence, int marker,
 std::vector<PartTimeMarker> find_part_time_markers(const MapEvidence& evidence,
                                                    const PresenceOptions& options) {
   std::vector<PartTimeMarker> found;
-  if (evidence.table().capture_names.size() < 2) return found;
-  const std::vector<int>& markers = evidence.markers();
+  if (evidence.observations().captures.size() < 2) return found;
+  const std::vector<MarkerIndex>& markers = evidence.markers();
   std::vector<std::optional<PartTimeMarker>> each(markers.size());
   parallel_for(markers.size(), evidence.options().threads, [&](std::size_t i) {
     if (evidence.place(markers[i])) each[i] = part_time(evidence, markers[i], options);

@@ -9,10 +9,10 @@ namespace waymark {
 
 /// A marker that hung on the wall during some captures and was not there during others.
 struct PartTimeMarker {
-  int marker = 0;             ///< table index
-  std::vector<int> seen_in;   ///< captures, rising
-  std::vector<int> empty_in;  ///< captures that looked at its place and did not find it
-  int empty_looks = 0;        ///< frame sets that did
+  MarkerIndex marker;
+  std::vector<CaptureIndex> seen_in;   ///< captures, rising
+  std::vector<CaptureIndex> empty_in;  ///< captures that looked at its place and did not find it
+  int empty_looks = 0;                 ///< frame sets that did
   /// Whether it came (true) or went; nullopt: the captures' clocks don't tell.
   std::optional<bool> appeared;
 };

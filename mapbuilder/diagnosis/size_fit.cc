@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/median.h"
 #include "core/base/parallel.h"
 #include "core/estimate/corner_residual.h"
 #include "core/geometry/symmetric_factor.h"
@@ -73,14 +74,8 @@ std::vector<MarkerView> thinned(std::vector<MarkerView> views, std::size_t most)
   return kept;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 struct Deviation {
-  int marker = 0;
+  MarkerIndex marker;
   double log_factor = 0;
   double sigma = 0;
 };
@@ -103,9 +98,8 @@ SizeScatter scatter_of(const std::vector<Deviation>& deviations) {
 }
 
 /// Logarithm of a fitted size over the stated one.
-double deviation_of(const MapEvidence& evidence, int marker, const SizeFit& fit) {
-  const double used_m = evidence.table().sizes_m[static_cast<std::size_t>(marker)];
-  return std::log(fit.factor * used_m / evidence.stated_size_m(marker));
+double deviation_of(const MapEvidence& evidence, MarkerIndex marker, const SizeFit& fit) {
+  return std::log(fit.factor * evidence.size_m(marker) / evidence.stated_size_m(marker));
 }
 
 /// The best fit over starts that are far too small to far too large.
@@ -164,12 +158,11 @@ std::optional<SizeFit> fit_size(std::span<const MarkerView> views, const Rigid3&
 std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeOptions& options) {
   constexpr std::size_t kScreeningViews = 32;
   constexpr std::size_t kFitViews = 64;
-  const ObservationTable& table = evidence.table();
   const auto least_views = static_cast<std::size_t>(options.least_views);
-  const std::vector<int>& markers = evidence.markers();
+  const std::vector<MarkerIndex>& markers = evidence.markers();
   std::vector<std::optional<Deviation>> found(markers.size());
   parallel_for(markers.size(), evidence.options().threads, [&](std::size_t m) {
-    const int marker = markers[m];
+    const MarkerIndex marker = markers[m];
     auto views = thinned(evidence.views_of(marker, 2), kScreeningViews);
     if (views.size() < least_views) return;
     std::optional<SizeFit> fit;
@@ -200,7 +193,7 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
     auto fit = fit_from_afar(views, evidence);
     if (!fit) continue;
     // A marker that stands in two places can pass for one of odd size; then views contradict it.
-    const double used_m = table.sizes_m[static_cast<std::size_t>(suspect.marker)];
+    const double used_m = evidence.size_m(suspect.marker);
     std::vector<MarkerView> fitting = views;
     std::erase_if(fitting, [&](const MarkerView& view) {
       return misfit_sigmas2(view, {fit->world_from_marker, used_m * fit->factor}) >

@@ -25,7 +25,7 @@ struct SizeFit {
 
 /// A marker whose stated size does not fit.
 struct WrongSize {
-  int marker = 0;  ///< table index
+  MarkerIndex marker;
   double stated_m = 0;
   double fitted_m = 0;
   double sigma_m = 0;       ///< of the fitted size

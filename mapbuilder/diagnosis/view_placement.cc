@@ -30,22 +30,16 @@ class PlacingViews {
   std::vector<PlacementView> placing_;
 };
 
-PlacementOptions placement_options(const BuildOptions& options) {
-  PlacementOptions placement = options.growth.placement;
-  placement.loss = options.loss;
-  return placement;
-}
-
 }  // namespace
 
 std::optional<PlacementEstimate> place_at_size(std::span<const MarkerView> views, double factor,
-                                               const BuildOptions& options) {
+                                               const MapperOptions& options) {
   if (views.empty()) return std::nullopt;
-  return place_marker(PlacingViews(views, factor).views(), placement_options(options));
+  return place_marker(PlacingViews(views, factor).views(), options.growth.placement);
 }
 
 std::optional<PoseOptimum> refine_place(std::span<const MarkerView> views, const Rigid3& start,
-                                        const BuildOptions& options) {
+                                        const MapperOptions& options) {
   const PlacingViews placing(views, 1.0);
   return minimize_pose(start, options.growth.placement.max_iterations, [&](const Rigid3& pose) {
     PoseEquations equations;

@@ -12,11 +12,11 @@ namespace waymark {
 /// one. At most 48 views, evenly spread, take part. nullopt as place_marker.
 [[nodiscard]] std::optional<PlacementEstimate> place_at_size(std::span<const MarkerView> views,
                                                              double factor,
-                                                             const BuildOptions& options);
+                                                             const MapperOptions& options);
 
 /// Local optimum of a marker's pose from one start, likewise, at its stated size.
 [[nodiscard]] std::optional<PoseOptimum> refine_place(std::span<const MarkerView> views,
                                                       const Rigid3& start,
-                                                      const BuildOptions& options);
+                                                      const MapperOptions& options);
 
 }  // namespace waymark

@@ -27,7 +27,7 @@ bool among(const std::vector<MarkerView>& rare, const std::vector<MarkerView>& c
   constexpr std::size_t kTooFew = 2;
   if (rare.size() <= kTooFew) return true;
   const auto before = [](const MarkerView& a, const MarkerView& b) {
-    return a.observation->frame_set < b.observation->frame_set;
+    return a.frame_set < b.frame_set;
   };
   const auto [first, last] = std::minmax_element(rare.begin(), rare.end(), before);
   const auto [begin, end] = std::minmax_element(common.begin(), common.end(), before);
@@ -38,26 +38,26 @@ bool among(const std::vector<MarkerView>& rare, const std::vector<MarkerView>& c
 
 double WrongIdJudge::nearest_px(const MarkerView& view) const {
   double nearest = std::numeric_limits<double>::infinity();
-  for (const SizedPlace& place : places_[static_cast<std::size_t>(view.observation->marker)]) {
+  for (const SizedPlace& place : places_[view.marker]) {
     nearest = std::min(nearest, distance_px(view, place));
   }
   return nearest;
 }
 
-int WrongIdJudge::marker_shown(const MarkerView& view) const {
+std::optional<MarkerIndex> WrongIdJudge::marker_shown(const MarkerView& view) const {
   // What a rig's pose by few markers, at the other end of the image, may be off.
   constexpr double kReach = 1.0;  // of the side
-  int shown = -1;
+  std::optional<MarkerIndex> shown;
   const SizedPlace* where = nullptr;
   const double side = side_px(view);
   double nearest = kReach * side;
-  for (std::size_t m = 0; m < places_.size(); ++m) {
-    if (static_cast<int>(m) == view.observation->marker) continue;
+  for (const MarkerIndex m : places_.indices()) {
+    if (m == view.marker) continue;
     for (const SizedPlace& place : places_[m]) {
       const double distance = distance_px(view, place);
       if (distance >= nearest) continue;
       nearest = distance;
-      shown = static_cast<int>(m);
+      shown = m;
       where = &place;
     }
   }
@@ -65,9 +65,9 @@ int WrongIdJudge::marker_shown(const MarkerView& view) const {
   const MarkerObservation as_shown = sized_as(view, where->size_m);
   auto together = evidence_.others_of(view);
   together.push_back({&as_shown, where->world_from_marker});
-  const RigPoseSolver solver = evidence_.solver_for(view.observation->frame_set);
-  const auto pose = solver.refine(together, *evidence_.world_from_rig(view.observation->frame_set));
-  if (!pose) return -1;
+  const RigPoseSolver solver = evidence_.solver_for(view.frame_set);
+  const auto pose = solver.refine(together, *evidence_.world_from_rig(view.frame_set));
+  if (!pose) return std::nullopt;
   const bool all_fit = std::all_of(together.begin(), together.end(), [&](const auto& fixed) {
     const auto camera = static_cast<std::size_t>(fixed.observation->camera);
     return squared_residual(
@@ -77,21 +77,22 @@ int WrongIdJudge::marker_shown(const MarkerView& view) const {
   });
   MarkerView moved = view;
   moved.world_from_cam = pose->pose * view.camera->rig_from_cam;
-  return all_fit && distance_px(moved, *where) < options_.most_to_other * side ? shown : -1;
+  if (!all_fit || distance_px(moved, *where) >= options_.most_to_other * side) return std::nullopt;
+  return shown;
 }
 
 std::optional<WrongId> WrongIdJudge::wrong_id(const MarkerView& view) const {
   if (nearest_px(view) < options_.least_to_own * side_px(view)) return {};
-  const int shown = marker_shown(view);
-  if (shown < 0) return {};
+  const auto shown = marker_shown(view);
+  if (!shown) return {};
   return WrongId{view, shown};
 }
 
 std::optional<WrongId> WrongIdJudge::stray(const MarkerView& view) const {
-  if (places_[static_cast<std::size_t>(view.observation->marker)].empty()) return {};
+  if (places_[view.marker].empty()) return {};
   if (view.others < options_.least_others_alone) return {};
   if (nearest_px(view) < options_.least_to_own_alone * side_px(view)) return {};
-  return WrongId{view, -1};
+  return WrongId{view, std::nullopt};
 }
 
 bool WrongIdJudge::fit_together(const MarkerView& a, const SizedPlace& place_of_a,
@@ -100,7 +101,7 @@ bool WrongIdJudge::fit_together(const MarkerView& a, const SizedPlace& place_of_
   const MarkerObservation sized_b = sized_as(b, place_of_b.size_m);
   const std::array<FixedMarkerObservation, 2> both{
       {{&sized_a, place_of_a.world_from_marker}, {&sized_b, place_of_b.world_from_marker}}};
-  RigPoseSolver solver = evidence_.solver_for(a.observation->frame_set);
+  RigPoseSolver solver = evidence_.solver_for(a.frame_set);
   const auto found = solver.solve(both);
   return found && std::all_of(both.begin(), both.end(), [&](const auto& fixed) {
            const auto camera = static_cast<std::size_t>(fixed.observation->camera);
@@ -111,51 +112,52 @@ bool WrongIdJudge::fit_together(const MarkerView& a, const SizedPlace& place_of_
          });
 }
 
-int WrongIdJudge::shown_beside(const MarkerView& view, const MarkerView& right) const {
+std::optional<MarkerIndex> WrongIdJudge::shown_beside(const MarkerView& view,
+                                                      const MarkerView& right) const {
   constexpr double kReach = 3.0;  // of the side: a pose by one marker leaves that much open
-  if (!right.observation->ippe) return -1;
-  for (const SizedPlace& own : places_[static_cast<std::size_t>(right.observation->marker)]) {
+  if (!right.observation->ippe) return std::nullopt;
+  for (const SizedPlace& own : places_[right.marker]) {
     const MarkerObservation as_own = sized_as(right, own.size_m);
     for (const Rigid3& cam_from_marker : as_own.ippe->cam_from_marker) {
       MarkerView there = view;
       there.world_from_cam = own.world_from_marker * cam_from_marker.inverse() *
                              right.camera->rig_from_cam.inverse() * view.camera->rig_from_cam;
-      for (std::size_t m = 0; m < places_.size(); ++m) {
-        if (static_cast<int>(m) == view.observation->marker) continue;
+      for (const MarkerIndex m : places_.indices()) {
+        if (m == view.marker) continue;
         for (const SizedPlace& place : places_[m]) {
           if (distance_px(there, place) < kReach * side_px(view) &&
               fit_together(view, place, right, own)) {
-            return static_cast<int>(m);
+            return m;
           }
         }
       }
     }
   }
-  return -1;
+  return std::nullopt;
 }
 
-std::optional<WrongId> WrongIdJudge::wrong_of_two(int frame_set) const {
+std::optional<WrongId> WrongIdJudge::wrong_of_two(FrameSetIndex frame_set) const {
   const std::vector<MarkerView> views = evidence_.views_in(frame_set);
   if (views.size() != 2) return {};
   const MarkerView& a = views[0];
   const MarkerView& b = views[1];
-  for (const SizedPlace& place_of_a : places_[static_cast<std::size_t>(a.observation->marker)]) {
-    for (const SizedPlace& place_of_b : places_[static_cast<std::size_t>(b.observation->marker)]) {
+  for (const SizedPlace& place_of_a : places_[a.marker]) {
+    for (const SizedPlace& place_of_b : places_[b.marker]) {
       if (fit_together(a, place_of_a, b, place_of_b)) return {};
     }
   }
-  const int shown_by_a = shown_beside(a, b);
-  const int shown_by_b = shown_beside(b, a);
-  if ((shown_by_a < 0) == (shown_by_b < 0)) return {};
-  return shown_by_a >= 0 ? WrongId{a, shown_by_a} : WrongId{b, shown_by_b};
+  const auto shown_by_a = shown_beside(a, b);
+  const auto shown_by_b = shown_beside(b, a);
+  if (shown_by_a.has_value() == shown_by_b.has_value()) return {};
+  return shown_by_a ? WrongId{a, shown_by_a} : WrongId{b, shown_by_b};
 }
 
-bool stands_on_another(const MapEvidence& evidence, int marker) {
+bool stands_on_another(const MapEvidence& evidence, MarkerIndex marker) {
   constexpr std::size_t kTimesAsOften = 2;
   const auto& own = evidence.place(marker);
   if (!own) return false;
   const auto views = evidence.views_of(marker, 0);
-  for (const int m : evidence.markers()) {
+  for (const MarkerIndex m : evidence.markers()) {
     const auto& other = evidence.place(m);
     if (m == marker || !other || !same_place(*own, *other)) continue;
     const auto others = evidence.views_of(m, 0);

@@ -10,7 +10,7 @@ namespace waymark {
 /// A detection whose id does not belong where it was seen.
 struct WrongId {
   MarkerView view;
-  int truly = -1;  ///< table index of the marker that stands there; −1: no mapped one
+  std::optional<MarkerIndex> truly;  ///< the marker that stands there; nullopt: no mapped one
 };
 
 /// When a detection counts as a wrong id. Distances are RMS over the four corners.
@@ -27,8 +27,8 @@ struct WrongIdOptions {
   int least_others_alone = 3;
 };
 
-/// The places of every marker of the table: none, one, or several of one id.
-using PlacesOfMarkers = std::vector<std::vector<SizedPlace>>;
+/// The places of every marker: none, one, or several of one id.
+using PlacesOfMarkers = IndexedVector<MarkerIndex, std::vector<SizedPlace>>;
 
 /// Tells wrong ids by where the map's markers are.
 class WrongIdJudge {
@@ -37,9 +37,9 @@ class WrongIdJudge {
                const WrongIdOptions& options)
       : evidence_(evidence), places_(places), options_(options) {}
 
-  /// The mapped marker other than the view's own that stands where it was seen, −1 when none does.
+  /// The mapped marker other than the view's own that stands where it was seen.
   /// The rig's pose may give way within what the other markers of the frame set accept.
-  [[nodiscard]] int marker_shown(const MarkerView& view) const;
+  [[nodiscard]] std::optional<MarkerIndex> marker_shown(const MarkerView& view) const;
 
   /// The view as a wrong id, when it lies off all of its own places and on another marker's.
   [[nodiscard]] std::optional<WrongId> wrong_id(const MarkerView& view) const;
@@ -50,11 +50,12 @@ class WrongIdJudge {
 
   /// Of two observations, all that a frame set sees, at most one has a right id when no pose of the
   /// rig shows both at their places. It is the other one if only that one can be another marker.
-  [[nodiscard]] std::optional<WrongId> wrong_of_two(int frame_set) const;
+  [[nodiscard]] std::optional<WrongId> wrong_of_two(FrameSetIndex frame_set) const;
 
  private:
   [[nodiscard]] double nearest_px(const MarkerView& view) const;
-  [[nodiscard]] int shown_beside(const MarkerView& view, const MarkerView& right) const;
+  [[nodiscard]] std::optional<MarkerIndex> shown_beside(const MarkerView& view,
+                                                        const MarkerView& right) const;
   [[nodiscard]] bool fit_together(const MarkerView& a, const SizedPlace& place_of_a,
                                   const MarkerView& b, const SizedPlace& place_of_b) const;
 
@@ -65,6 +66,6 @@ class WrongIdJudge {
 
 /// Whether the id stands in the map only because it was read, a few times, off another marker: both
 /// have one place, and the other one is seen there at least twice as often, before and after.
-[[nodiscard]] bool stands_on_another(const MapEvidence& evidence, int marker);
+[[nodiscard]] bool stands_on_another(const MapEvidence& evidence, MarkerIndex marker);
 
 }  // namespace waymark

@@ -1,12 +1,13 @@
 #pragma once
 
 #include "core/geometry/rigid3.h"
+#include "mapbuilder/observations/observations.h"
 
 namespace waymark {
 
 /// A frame set with a pose.
 struct LocalizedFrameSet {
-  int frame_set = 0;  ///< index in the table
+  FrameSetIndex frame_set;
   Rigid3 world_from_rig;
 };
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/median.h"
+
 namespace waymark {
 namespace {
 
@@ -45,9 +47,7 @@ double misfit(std::span<const PlacementView> views, const Rigid3& world_from_mar
   for (const PlacementView& view : views) {
     squared.push_back(better_rig_pose(view, world_from_marker).second);
   }
-  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
-  std::nth_element(squared.begin(), middle, squared.end());
-  return std::max(1.0, *middle / kMedianOfChiSquare8);
+  return std::max(1.0, median(squared) / kMedianOfChiSquare8);
 }
 
 struct Hypothesis {

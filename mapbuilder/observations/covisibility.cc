@@ -1,38 +1,39 @@
 #include "mapbuilder/observations/covisibility.h"
 
 #include <algorithm>
+#include <optional>
+#include <set>
 #include <utility>
 
 #include "core/base/check.h"
 #include "core/base/disjoint_sets.h"
 
 namespace waymark {
-std::vector<Component> connected_components(const ObservationTable& table,
-                                            const std::vector<char>& used) {
-  const std::size_t marker_count = table.markers.size();
-  DisjointSets sets(marker_count + table.frame_sets.size());
-  std::vector<char> touched(marker_count + table.frame_sets.size(), 0);
-  for (std::size_t i = 0; i < table.observations.size(); ++i) {
-    if (used[i] == 0) continue;
-    const auto marker = static_cast<std::size_t>(table.observations[i].marker);
-    const auto frame_set = marker_count + static_cast<std::size_t>(table.observations[i].frame_set);
+
+std::vector<Component> connected_components(const Observations& observations,
+                                            std::span<const ObservationIndex> edges) {
+  const std::size_t marker_count = observations.markers.size();
+  DisjointSets sets(marker_count + observations.frame_sets.size());
+  std::vector<char> touched(marker_count + observations.frame_sets.size(), 0);
+  for (const ObservationIndex index : edges) {
+    const std::size_t marker = observations[index].marker.value();
+    const std::size_t frame_set = marker_count + observations[index].frame_set.value();
     sets.unite(marker, frame_set);
     touched[marker] = touched[frame_set] = 1;
   }
-  std::vector<int> component_of_root(touched.size(), -1);
+  std::vector<std::optional<std::size_t>> component_of_root(touched.size());
   std::vector<Component> components;
   for (std::size_t i = 0; i < touched.size(); ++i) {
     if (touched[i] == 0) continue;
-    int& index = component_of_root[sets.find(i)];
-    if (index < 0) {
-      index = static_cast<int>(components.size());
+    auto& index = component_of_root[sets.find(i)];
+    if (!index) {
+      index = components.size();
       components.emplace_back();
     }
-    Component& component = components[static_cast<std::size_t>(index)];
     if (i < marker_count) {
-      component.markers.push_back(static_cast<int>(i));
+      components[*index].markers.emplace_back(i);
     } else {
-      component.frame_sets.push_back(static_cast<int>(i - marker_count));
+      components[*index].frame_sets.emplace_back(i - marker_count);
     }
   }
   std::stable_sort(
@@ -41,28 +42,24 @@ std::vector<Component> connected_components(const ObservationTable& table,
   return components;
 }
 
-int choose_seed(const ObservationTable& table, const Component& component) {
+FrameSetIndex choose_seed(const Selection& selection, const Component& component) {
   WAYMARK_CHECK(!component.frame_sets.empty());
-  int best = -1;
+  std::optional<FrameSetIndex> best;
   std::pair<std::size_t, double> best_key{0, -1.0};
-  for (const int index : component.frame_sets) {
-    const TableFrameSet& set = table.frame_sets[static_cast<std::size_t>(index)];
-    std::vector<int> markers;
+  for (const FrameSetIndex frame_set : component.frame_sets) {
+    std::set<MarkerIndex> markers;
     double area = 0;
-    for (std::size_t i = 0; i < set.observation_count; ++i) {
-      const TableObservation& o = table.observations[set.first_observation + i];
-      markers.push_back(o.marker);
-      area += area_px2(o.corners_px);
+    for (const ObservationIndex index : selection.used_in(frame_set)) {
+      markers.insert(selection[index].marker);
+      area += area_px2(selection[index].corners_px);
     }
-    std::sort(markers.begin(), markers.end());
-    const auto distinct = std::unique(markers.begin(), markers.end()) - markers.begin();
-    const std::pair<std::size_t, double> key{static_cast<std::size_t>(distinct), area};
-    if (best < 0 || key > best_key) {
-      best = index;
+    const std::pair<std::size_t, double> key{markers.size(), area};
+    if (!best || key > best_key) {
+      best = frame_set;
       best_key = key;
     }
   }
-  return best;
+  return *best;
 }
 
 }  // namespace waymark

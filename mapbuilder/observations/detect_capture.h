@@ -7,7 +7,7 @@
 #include "core/base/progress.h"
 #include "core/capture/capture_folder.h"
 #include "core/detect/image_detector.h"
-#include "mapbuilder/observations/observation_table.h"
+#include "mapbuilder/observations/detected_capture.h"
 
 namespace waymark {
 

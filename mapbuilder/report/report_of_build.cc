@@ -11,14 +11,6 @@
 namespace waymark {
 namespace {
 
-const TableFrameSet& frame_set_of(const ObservationTable& table, int index) {
-  return table.frame_sets[static_cast<std::size_t>(index)];
-}
-
-const std::string& capture_of(const ObservationTable& table, const TableFrameSet& set) {
-  return table.capture_names[static_cast<std::size_t>(set.capture)];
-}
-
 /// The report's cameras: those that are alike (name and intrinsics) are one.
 class CameraList {
  public:
@@ -48,26 +40,30 @@ class CameraList {
   std::vector<const RigCamera*> known_;
 };
 
-void add_observations(const BuildResult& result, const ObservationTable& table, Report& report) {
+void add_observations(const BuildResult& result, const Observations& observations, Report& report) {
   CameraList cameras(report.cameras);
   for (const BuiltSubMap& submap : result.submaps) {
     for (const ObservationResidual& residual : submap.residuals) {
-      const TableObservation& o = table.observations[residual.observation];
-      const TableFrameSet& set = frame_set_of(table, o.frame_set);
-      report.observations.push_back({table.markers[static_cast<std::size_t>(o.marker)],
-                                     cameras.index_of(camera_of(table, o), capture_of(table, set)),
-                                     residual.accepted, o.corners_px, residual.corners_px});
+      const Observation& o = observations[residual.observation];
+      const Calibration& calibration = result.estimate.calibration;
+      const CaptureIndex capture = observations.frame_sets[o.frame_set].capture;
+      report.observations.push_back({observations.markers[o.marker],
+                                     cameras.index_of(calibration.camera(observations, o),
+                                                      observations.captures[capture].name),
+                                     residual.accepted, corrected_corners(o, calibration),
+                                     residual.corners_px});
     }
   }
 }
 
-std::vector<ReportTrack> tracks_of(const BuiltSubMap& submap, const ObservationTable& table) {
-  std::map<std::pair<int, int>, ReportTrack> tracks;  // by capture and camera
+std::vector<ReportTrack> tracks_of(const BuiltSubMap& submap, const Observations& observations) {
+  std::map<std::pair<CaptureIndex, std::optional<int>>, ReportTrack>
+      tracks;  // by capture and camera
   for (const LocalizedFrameSet& localized : submap.trajectory) {
-    const TableFrameSet& set = frame_set_of(table, localized.frame_set);
-    ReportTrack& track = tracks[{set.capture, set.camera}];
-    track.capture = capture_of(table, set);
-    if (set.camera >= 0) track.camera = fmt::format("cam{}", set.camera);
+    const ObservedFrameSet& set = observations.frame_sets[localized.frame_set];
+    ReportTrack& track = tracks[{set.capture, set.mono_camera}];
+    track.capture = observations.captures[set.capture].name;
+    if (set.mono_camera) track.camera = fmt::format("cam{}", *set.mono_camera);
     track.poses.push_back({set.stamp, localized.world_from_rig});
   }
   std::vector<ReportTrack> sorted;
@@ -118,26 +114,26 @@ void add_truth(const CaptureTruth& truth, std::vector<ReportTrack>& tracks) {
 
 }  // namespace
 
-Report report_of_build(const BuildResult& result, const ObservationTable& table,
+Report report_of_build(const BuildResult& result, const Observations& observations,
                        const std::vector<CaptureTruth>& truths) {
   Report report;
   report.map = result.map;
-  for (std::size_t i = 0; i < table.capture_names.size(); ++i) {
-    report.captures.push_back({table.capture_names[i], table.capture_fingerprints[i]});
+  for (const ObservedCapture& capture : observations.captures) {
+    report.captures.push_back({capture.name, capture.fingerprint});
   }
   for (const BuiltSubMap& submap : result.submaps) {
     ReportSubMap told;
-    told.tracks = tracks_of(submap, table);
+    told.tracks = tracks_of(submap, observations);
     for (const CaptureTruth& truth : truths) add_truth(truth, told.tracks);
     told.observations = submap.observations;
     told.rejected = submap.rejected;
     told.ambiguous = submap.ambiguous.size();
     told.corner_sigma_px = submap.model_sigma_px;
     told.covariances_known = submap.covariances_known && submap.map.markers.size() > 1;
-    told.camera_up_in_world = camera_up_in_world(submap, table);
+    told.camera_up_in_world = camera_up_in_world(submap, observations, result.estimate.calibration);
     report.submaps.push_back(std::move(told));
   }
-  add_observations(result, table, report);
+  add_observations(result, observations, report);
   report.unmapped = result.unmapped;
   report.unlocalized = result.unlocalized.size();
   report.without_markers = result.without_markers.size();

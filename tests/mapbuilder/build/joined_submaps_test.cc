@@ -3,7 +3,7 @@
 #include <random>
 
 #include "mapbuilder/build/map_builder.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
@@ -33,9 +33,9 @@ SurveyedPoint point_on(const test::SyntheticRoom& room, int number) {
           SurveyUse::fit};
 }
 
-BuildResult build(ObservationTable& table, const BuildOptions& options) {
+BuildResult build(const Observations& observations, const BuildOptions& options) {
   Progress progress(false);
-  return build_map(table, options, progress);
+  return build_map(Selection(observations), options, progress);
 }
 
 /// Three points in each half join them.
@@ -62,8 +62,8 @@ double worst_off_m(const SubMap& map, const test::SyntheticRoom& room) {
 
 TEST(JoinedSubMaps, ThreePointsInEachHalfMakeOneMapOfThem) {
   const auto room = two_halves();
-  auto table = test::table_of(room);
-  const BuildResult result = build(table, with_three_points_in_each_half(room));
+  const auto observations = test::observations_of(room);
+  const BuildResult result = build(observations, with_three_points_in_each_half(room));
   ASSERT_EQ(result.submaps.size(), 1U);
   const BuiltSubMap& joined = result.submaps[0];
   EXPECT_EQ(joined.map.frame, FrameKind::facility);
@@ -81,14 +81,14 @@ TEST(JoinedSubMaps, ThreePointsInEachHalfMakeOneMapOfThem) {
 
 TEST(JoinedSubMaps, ADistanceAcrossThemIsHeldOnceTheyAreJoined) {
   const auto room = two_halves();
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions options = with_three_points_in_each_half(room);
   const MarkerPlace from{{Family::tag36h11, 5}, std::nullopt};
   const MarkerPlace to{{Family::tag36h11, 118}, std::nullopt};
   const double true_m =
       (room.world_from_marker[5].translation - room.world_from_marker[18].translation).norm();
   options.survey.distances.push_back({from, to, true_m, 0.001, SurveyUse::fit});
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   ASSERT_EQ(result.submaps.size(), 1U);
   const SurveyResidual& across = result.submaps[0].survey.back();
   EXPECT_TRUE(across.mapped);
@@ -97,16 +97,16 @@ TEST(JoinedSubMaps, ADistanceAcrossThemIsHeldOnceTheyAreJoined) {
 
 TEST(JoinedSubMaps, PointsInOneHalfOnlyLeaveTheOtherApart) {
   const auto room = two_halves();
-  auto plain_table = test::table_of(room);
-  const BuildResult plain = build(plain_table, {});
+  const auto plain_observations = test::observations_of(room);
+  const BuildResult plain = build(plain_observations, {});
   ASSERT_EQ(plain.submaps.size(), 2U);
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions options;
   // Two points in the second half are one too few.
   for (const int number : {0, 13, 27, 101, 114}) {
     options.survey.points.push_back(point_on(room, number));
   }
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   ASSERT_EQ(result.submaps.size(), 2U);
   for (const BuiltSubMap& submap : result.submaps) {
     const bool first_half = submap.map.markers.front().id.number < kOtherHalf;
@@ -121,7 +121,7 @@ TEST(JoinedSubMaps, PointsInOneHalfOnlyLeaveTheOtherApart) {
 TEST(JoinedSubMaps, PointsOnALineOrOnOneMarkerDoNotJoin) {
   const auto room = two_halves();
   for (const bool one_marker : {true, false}) {
-    auto table = test::table_of(room);
+    const auto observations = test::observations_of(room);
     BuildOptions options;
     for (const int number : {0, 13, 27}) options.survey.points.push_back(point_on(room, number));
     for (const int corner : {0, 1, 2}) {
@@ -132,7 +132,7 @@ TEST(JoinedSubMaps, PointsOnALineOrOnOneMarkerDoNotJoin) {
       point.position_m = kFacilityFromRoom * (pose * on_marker);
       if (one_marker || corner == 0) options.survey.points.push_back(point);
     }
-    const BuildResult result = build(table, options);
+    const BuildResult result = build(observations, options);
     EXPECT_EQ(result.submaps.size(), 2U) << one_marker;
   }
 }

@@ -7,14 +7,14 @@
 #include "core/geometry/alignment.h"
 #include "core/map/map_file.h"
 #include "mapbuilder/bundle/marker_covariances.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
 
-BuildResult build(ObservationTable table, const BuildOptions& options = {}) {
+BuildResult build(const Observations& observations, const BuildOptions& options = {}) {
   Progress silent(false);
-  return build_map(table, options, silent);
+  return build_map(Selection(observations), options, silent);
 }
 
 /// RMS distance (m) of a sub-map's markers from the truth after SE(3) alignment.
@@ -37,7 +37,7 @@ double rmse_m(const SubMap& submap, const test::SyntheticRoom& room) {
 
 TEST(MapBuilder, ExactDetectionsGiveTheExactMap) {
   const auto room = test::make_room({});
-  const auto result = build(test::table_of(room));
+  const auto result = build(test::observations_of(room));
   ASSERT_EQ(result.submaps.size(), 1U);
   EXPECT_EQ(result.submaps[0].map.markers.size(), 40U);
   EXPECT_EQ(result.submaps[0].trajectory.size(), 60U);
@@ -52,7 +52,7 @@ TEST(MapBuilder, NoisyDetectionsOfOneCameraToo) {
   options.frame_sets = 240;
   options.noise_px = 0.3;
   const auto room = test::make_room(options);
-  const auto result = build(test::table_of(room));
+  const auto result = build(test::observations_of(room));
   ASSERT_EQ(result.submaps.size(), 1U);
   EXPECT_EQ(result.submaps[0].map.markers.size(), 40U);
   EXPECT_LT(rmse_m(result.submaps[0].map, room), 0.02);
@@ -63,7 +63,7 @@ TEST(MapBuilder, MonoMapsTheGroupsImagesOneByOne) {
   test::RoomOptions options;
   options.noise_px = 0.2;
   const auto room = test::make_room(options);
-  const auto result = build(test::table_of(room, {true, 0}));
+  const auto result = build(test::observations_of(room, {true, 0}));
   ASSERT_EQ(result.submaps.size(), 1U);
   EXPECT_EQ(result.submaps[0].map.markers.size(), 40U);
   EXPECT_LT(rmse_m(result.submaps[0].map, room), 0.02);
@@ -80,11 +80,11 @@ TEST(MapBuilder, ThreadsRowsAndCaptureOrderLeaveNoTrace) {
   second.images.erase(second.images.begin(),
                       second.images.begin() + static_cast<std::ptrdiff_t>(first.images.size()));
   const auto bytes = [&](std::vector<DetectedCapture> captures, int threads) {
-    auto table = make_observation_table(std::move(captures), {false, threads});
-    EXPECT_TRUE(table);
+    const auto observations = make_observations(std::move(captures), {false, threads});
+    EXPECT_TRUE(observations);
     BuildOptions build_options;
     build_options.threads = threads;
-    const auto encoded = encode_map(build(std::move(*table), build_options).map);
+    const auto encoded = encode_map(build(*observations, build_options).map);
     EXPECT_TRUE(encoded) << encoded.error().message;
     return encoded.value_or("");
   };
@@ -107,7 +107,7 @@ TEST(MapBuilder, PermutedStampsGiveTheSameMap) {
   options.cameras = 1;
   options.frame_sets = 200;
   const auto room = test::make_room(options);
-  const auto reference = build(test::table_of(room));
+  const auto reference = build(test::observations_of(room));
   std::vector<int> order(200);
   for (int i = 0; i < 200; ++i) order[static_cast<std::size_t>(i)] = i;
   std::mt19937 random(12);
@@ -119,7 +119,7 @@ TEST(MapBuilder, PermutedStampsGiveTheSameMap) {
     }
     std::sort(permuted.images.begin(), permuted.images.end(),
               [](const auto& a, const auto& b) { return a.stamp < b.stamp; });
-    const auto result = build(test::table_of(permuted));
+    const auto result = build(test::observations_of(permuted));
     ASSERT_EQ(result.submaps.size(), reference.submaps.size());
     EXPECT_EQ(result.submaps[0].rejected, reference.submaps[0].rejected);
     for (std::size_t m = 0; m < reference.submaps[0].map.markers.size(); ++m) {
@@ -139,7 +139,7 @@ TEST(MapBuilder, APartThatSharesNoMarkerBecomesASubMap) {
     if (image.stamp < test::room_stamp(30)) continue;
     for (Detection& d : image.detections) d.marker.number += 100;
   }
-  const auto result = build(test::table_of(room));
+  const auto result = build(test::observations_of(room));
   ASSERT_EQ(result.submaps.size(), 2U);
   ASSERT_EQ(result.map.submaps.size(), 2U);
   EXPECT_GE(result.submaps[0].map.markers.size(), result.submaps[1].map.markers.size());
@@ -153,17 +153,17 @@ TEST(MapBuilder, APartThatSharesNoMarkerBecomesASubMap) {
     for (Detection& d : twins) d.marker.number += 100;
     image.detections.insert(image.detections.end(), twins.begin(), twins.end());
   }
-  auto table =
-      make_observation_table({test::capture_of(room), test::capture_of(bridge, "bridge")}, {});
-  ASSERT_TRUE(table);
-  EXPECT_EQ(build(std::move(*table)).submaps.size(), 1U);
+  const auto observations =
+      make_observations({test::capture_of(room), test::capture_of(bridge, "bridge")}, {});
+  ASSERT_TRUE(observations);
+  EXPECT_EQ(build(*observations).submaps.size(), 1U);
 }
 
 TEST(MapBuilder, WrongIdsAreGatedAndTheRestIsUnharmed) {
   test::RoomOptions options;
   options.noise_px = 0.2;
   auto room = test::make_room(options);
-  const double clean = rmse_m(build(test::table_of(room)).submaps[0].map, room);
+  const double clean = rmse_m(build(test::observations_of(room)).submaps[0].map, room);
   std::mt19937 random(13);
   std::size_t wrong = 0;
   std::map<int, std::uint32_t> wrong_of;
@@ -184,13 +184,14 @@ TEST(MapBuilder, WrongIdsAreGatedAndTheRestIsUnharmed) {
     }
   }
   ASSERT_GT(wrong, 5U);
-  const auto result = build(test::table_of(room));
+  const auto result = build(test::observations_of(room));
   ASSERT_EQ(result.submaps.size(), 1U);
-  EXPECT_TRUE(result.submaps[0].settled);
-  const auto seen = test::table_of(room);
-  for (const int f : result.unlocalized) {
-    const auto& set = seen.frame_sets[static_cast<std::size_t>(f)];
-    ADD_FAILURE() << "frame set " << f << " of " << set.observation_count << " observations lost";
+  EXPECT_TRUE(result.submaps[0].converged);
+  const auto seen = test::observations_of(room);
+  for (const FrameSetIndex f : result.unlocalized) {
+    const auto& set = seen.frame_sets[f];
+    ADD_FAILURE() << "frame set " << f.value() << " of " << set.observations.size()
+                  << " observations lost";
   }
   EXPECT_EQ(result.submaps[0].trajectory.size(), 60U);
   EXPECT_EQ(result.submaps[0].rejected, wrong);
@@ -212,7 +213,7 @@ TEST(MapBuilder, AMarkerSeenOnceIsMappedButNotVerified) {
     });
   }
   ASSERT_TRUE(seen);
-  const auto result = build(test::table_of(room));
+  const auto result = build(test::observations_of(room));
   ASSERT_EQ(result.submaps[0].map.markers.size(), 40U);
   for (const MapMarker& marker : result.submaps[0].map.markers) {
     EXPECT_EQ(marker.verified, marker.id.number != 7);
@@ -232,7 +233,7 @@ TEST(MapBuilder, StoredCovariancesAreConsistent) {
     BuildOptions build_options;
     build_options.gate.enabled = false;
     build_options.loss.loss = Loss::squared;
-    const auto result = build(test::table_of(room), build_options);
+    const auto result = build(test::observations_of(room), build_options);
     ASSERT_EQ(result.submaps.size(), 1U);
     std::vector<Eigen::Vector3d> estimated;
     std::vector<Eigen::Vector3d> truth;

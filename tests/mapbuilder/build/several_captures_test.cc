@@ -1,7 +1,7 @@
 #include "core/geometry/tum.h"
 #include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/build/trajectory_file.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -23,28 +23,29 @@ TwoDays two_days() {
   return days;
 }
 
-ObservationTable table_of(const TwoDays& days) {
-  auto table = make_observation_table(
+Observations observations_of(const TwoDays& days) {
+  auto observations = make_observations(
       {test::capture_of(days.monday, "monday"), test::capture_of(days.tuesday, "tuesday")}, {});
-  EXPECT_TRUE(table) << table.error().message;
-  return std::move(*table);
+  EXPECT_TRUE(observations) << observations.error().message;
+  return std::move(*observations);
 }
 
-BuildResult build(ObservationTable& table, const BuildOptions& options = {}) {
+BuildResult build(const Observations& observations, const BuildOptions& options = {}) {
   Progress progress(false);
-  return build_map(table, options, progress);
+  return build_map(Selection(observations), options, progress);
 }
 
 TEST(SeveralCaptures, StampsThatOverlapAreKeptApart) {
   const TwoDays days = two_days();
-  ObservationTable table = table_of(days);
-  EXPECT_EQ(table.frame_sets.size(), 60U + 45U);
-  const BuildResult result = build(table);
+  Observations observations = observations_of(days);
+  EXPECT_EQ(observations.frame_sets.size(), 60U + 45U);
+  const BuildResult result = build(observations);
   ASSERT_EQ(result.submaps.size(), 1U);
   EXPECT_EQ(result.submaps[0].trajectory.size(), 60U + 45U);
 
   const test::TemporaryFolder folder;
-  ASSERT_TRUE(write_trajectory(folder.path() / "out.tum", 0, table, result.submaps[0].trajectory));
+  ASSERT_TRUE(
+      write_trajectory(folder.path() / "out.tum", 0, observations, result.submaps[0].trajectory));
   // The first that was given has the named file, whatever the canonical order.
   const auto monday = read_tum(folder.path() / "out.tum");
   const auto tuesday = read_tum(folder.path() / "out.capture1.tum");
@@ -61,9 +62,9 @@ TEST(SeveralCaptures, StampsThatOverlapAreKeptApart) {
 
 TEST(SeveralCaptures, OneWithoutAPoseHasAnEmptyFile) {
   const TwoDays days = two_days();
-  const ObservationTable table = table_of(days);
+  const Observations observations = observations_of(days);
   const test::TemporaryFolder folder;
-  ASSERT_TRUE(write_trajectory(folder.path() / "out.tum", 1, table, {}));
+  ASSERT_TRUE(write_trajectory(folder.path() / "out.tum", 1, observations, {}));
   EXPECT_EQ(folder.read("out.1.tum"), format_tum({}));
   EXPECT_EQ(folder.read("out.capture1.1.tum"), format_tum({}));
 }
@@ -76,35 +77,36 @@ TEST(SharedRig, IsRefinedOnceForAllCapturesOfTheSameCameras) {
   for (auto* room : {&days.monday, &days.tuesday}) {
     room->rig.cameras[1].rig_from_cam = truth.plus(off);
   }
-  ObservationTable table = table_of(days);
-  ASSERT_EQ(table.rigs.size(), 1U);
+  Observations observations = observations_of(days);
+  ASSERT_EQ(observations.rigs.size(), 1U);
   BuildOptions options;
   options.refine.extrinsics = true;
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   ASSERT_TRUE(result.calibration.refined);
   EXPECT_EQ(result.calibration.uncertainty.cameras.size(), 3U);
-  ASSERT_EQ(table.rigs.size(), 1U);
-  const CameraUncertainty& both = result.calibration.uncertainty.cameras[1];
-  const Vector6d left = table.rigs[0].cameras[1].rig_from_cam.minus(truth);
+  ASSERT_EQ(observations.rigs.size(), 1U);
+  const CameraUncertainty& both = result.calibration.uncertainty.cameras[CameraIndex(1)];
+  const Vector6d left =
+      result.estimate.calibration.rigs.front().cameras[1].rig_from_cam.minus(truth);
   EXPECT_LT(left.head<3>().norm(), 5 * std::sqrt(3.0) * both.position_m);
   EXPECT_LT(left.tail<3>().norm(), 5 * std::sqrt(3.0) * both.rotation_rad);
 
   // What one day alone tells is less.
-  ObservationTable alone = test::table_of(days.monday);
+  const Observations alone = test::observations_of(days.monday);
   const BuildResult one = build(alone, options);
   ASSERT_TRUE(one.calibration.refined);
-  EXPECT_LT(both.position_m, one.calibration.uncertainty.cameras[1].position_m);
+  EXPECT_LT(both.position_m, one.calibration.uncertainty.cameras[CameraIndex(1)].position_m);
 }
 
 TEST(SharedRig, SerialsThatDifferKeepEqualNumbersApart) {
   TwoDays days = two_days();
-  EXPECT_EQ(table_of(days).rigs.size(), 1U);
+  EXPECT_EQ(observations_of(days).rigs.size(), 1U);
   days.monday.rig.cameras[0].serial = "A1";
-  EXPECT_EQ(table_of(days).rigs.size(), 1U) << "one states none: nothing says otherwise";
+  EXPECT_EQ(observations_of(days).rigs.size(), 1U) << "one states none: nothing says otherwise";
   days.tuesday.rig.cameras[0].serial = "B7";
-  const ObservationTable table = table_of(days);
-  EXPECT_EQ(table.rigs.size(), 2U);
-  EXPECT_TRUE(table.recalibrated.empty());
+  const Observations observations = observations_of(days);
+  EXPECT_EQ(observations.rigs.size(), 2U);
+  EXPECT_TRUE(observations.recalibrated.empty());
 }
 
 TEST(SharedRig, OtherNumbersOfTheSameCamerasAreKeptApartAndNamed) {
@@ -113,11 +115,11 @@ TEST(SharedRig, OtherNumbersOfTheSameCamerasAreKeptApartAndNamed) {
     for (RigCamera& camera : room->rig.cameras) camera.serial = "serial of " + camera.name;
   }
   days.tuesday.rig.cameras[2].rig_from_cam.translation.x() += 0.001;
-  const ObservationTable table = table_of(days);
-  EXPECT_EQ(table.rigs.size(), 2U);
-  ASSERT_EQ(table.recalibrated.size(), 1U);
-  EXPECT_EQ(table.recalibrated[0].first, "monday");
-  EXPECT_EQ(table.recalibrated[0].second, "tuesday");
+  const Observations observations = observations_of(days);
+  EXPECT_EQ(observations.rigs.size(), 2U);
+  ASSERT_EQ(observations.recalibrated.size(), 1U);
+  EXPECT_EQ(observations.recalibrated[0].first, "monday");
+  EXPECT_EQ(observations.recalibrated[0].second, "tuesday");
 }
 
 }  // namespace

@@ -4,8 +4,8 @@
 #include <random>
 
 #include "core/estimate/corner_residual.h"
-#include "mapbuilder/bundle/joint_adjustment.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "mapbuilder/bundle/bundle_adjustment.h"
+#include "tests/mapbuilder/bundle/bundle_of_room.h"
 
 namespace waymark {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 /// The four corner residuals of one observation in sigmas, for Ceres to differentiate numerically;
 /// parameters: world_from_marker, world_from_rig, each as a step from where it stood.
 struct ObservationCost {
-  const TableObservation* observation;
+  const MarkerObservation* observation;
   const RigCamera* camera;
   Rigid3 marker;
   Rigid3 rig;
@@ -40,30 +40,35 @@ TEST_P(CeresReference, TheAdjustmentFindsTheSameOptimum) {
   test::RoomOptions options;
   options.noise_px = 0.5;
   const auto room = test::make_room(options);
-  auto table = test::table_of(room);
   // A few observations far in the loss's linear part.
-  for (std::size_t i = 0; i < table.observations.size(); i += 37) {
-    table.observations[i].corners_px[1] += Eigen::Vector2d(6, -4);
-  }
-  const MapState start = test::true_state(room, table);
-  MapState state = start;
-  const auto summary = adjust_jointly(table, test::all_observations(table), {{0}, {}},
-                                      {{Loss::huber, huber_sigmas}, 100, 1e-15, 1e-6}, state);
-  EXPECT_TRUE(summary.converged);
+  const test::PreparedRoom known(room, [](Observations& observations) {
+    for (std::size_t i = 0; i < observations.usable; i += 37) {
+      observations.all[ObservationIndex(i)].corners_px[1] += Eigen::Vector2d(6, -4);
+    }
+  });
+  BundleProblem bundle = test::bundle_of(known);
+  bundle.loss = {Loss::huber, huber_sigmas};
+  const BundleSolution solution =
+      adjust(bundle, {.max_iterations = 100, .function_tolerance = 1e-15}, known.truth);
+  const BundleSummary& summary = solution.summary;
+  EXPECT_EQ(summary.termination, BundleTermination::converged);
 
-  std::vector<Vector6d> marker_step(table.markers.size(), Vector6d::Zero());
-  std::vector<Vector6d> rig_step(table.frame_sets.size(), Vector6d::Zero());
+  IndexedVector<MarkerIndex, Vector6d> marker_step(known.observations.markers.size(),
+                                                   Vector6d::Zero());
+  IndexedVector<FrameSetIndex, Vector6d> rig_step(known.observations.frame_sets.size(),
+                                                  Vector6d::Zero());
   ceres::Problem problem;
-  for (const TableObservation& o : table.observations) {
-    const auto m = static_cast<std::size_t>(o.marker);
-    const auto f = static_cast<std::size_t>(o.frame_set);
+  for (const ObservationIndex index : known.selection.used()) {
+    const Observation& o = known.observations[index];
     auto* cost = new ceres::NumericDiffCostFunction<ObservationCost, ceres::CENTRAL, 8, 6, 6>(
-        new ObservationCost{&o, &camera_of(table, o), *start.world_from_marker[m],
-                            start.rigs[f]->best.pose});
-    problem.AddResidualBlock(cost, new ceres::HuberLoss(huber_sigmas), marker_step[m].data(),
-                             rig_step[f].data());
+        new ObservationCost{&known.prepared[index],
+                            &known.truth.calibration.camera(known.observations, o),
+                            *known.truth.world_from_marker[o.marker],
+                            known.truth.world_from_rig[o.frame_set]->best.pose});
+    problem.AddResidualBlock(cost, new ceres::HuberLoss(huber_sigmas), marker_step[o.marker].data(),
+                             rig_step[o.frame_set].data());
   }
-  problem.SetParameterBlockConstant(rig_step[0].data());
+  problem.SetParameterBlockConstant(rig_step.front().data());
   ceres::Solver::Options solver;
   solver.linear_solver_type = ceres::SPARSE_SCHUR;
   solver.function_tolerance = 1e-14;
@@ -72,9 +77,9 @@ TEST_P(CeresReference, TheAdjustmentFindsTheSameOptimum) {
   ceres::Solve(solver, &problem, &reference);
   EXPECT_NEAR(summary.initial_cost, reference.initial_cost, 1e-9 * reference.initial_cost);
   EXPECT_NEAR(summary.final_cost, reference.final_cost, 1e-6 * reference.final_cost);
-  for (std::size_t m = 0; m < table.markers.size(); ++m) {
-    const Rigid3 expected = start.world_from_marker[m]->plus(marker_step[m]);
-    EXPECT_LT(state.world_from_marker[m]->minus(expected).norm(), 1e-5);
+  for (const MarkerIndex m : marker_step.indices()) {
+    const Rigid3 expected = known.truth.world_from_marker[m]->plus(marker_step[m]);
+    EXPECT_LT(solution.estimate.world_from_marker[m]->minus(expected).norm(), 1e-5);
   }
 }
 

@@ -3,55 +3,63 @@
 #include <Eigen/Dense>
 
 #include "core/estimate/corner_residual.h"
+#include "tests/mapbuilder/bundle/bundle_of_room.h"
 #include "tests/mapbuilder/bundle/dense_blocks.h"
-#include "tests/mapbuilder/observations/room_table.h"
 
 namespace waymark {
 namespace {
 
 /// Jᵀ J over markers and rigs by the textbook: every corner's row, dense.
-Eigen::MatrixXd dense_information(const ObservationTable& table, const MapState& state) {
-  const auto markers = static_cast<Eigen::Index>(table.markers.size());
-  const auto rigs = static_cast<Eigen::Index>(table.frame_sets.size());
+Eigen::MatrixXd dense_information(const test::PreparedRoom& room) {
+  const auto markers = static_cast<Eigen::Index>(room.observations.markers.size());
+  const auto rigs = static_cast<Eigen::Index>(room.observations.frame_sets.size());
   Eigen::MatrixXd h = Eigen::MatrixXd::Zero(6 * (markers + rigs), 6 * (markers + rigs));
-  for (const TableObservation& o : table.observations) {
-    const RigCamera& camera = camera_of(table, o);
+  for (const ObservationIndex index : room.selection.used()) {
+    const Observation& o = room.observations[index];
+    const RigCamera& camera = room.truth.calibration.camera(room.observations, o);
     const CornerChain chain(camera.model, camera.rig_from_cam.inverse(),
-                            state.rigs[static_cast<std::size_t>(o.frame_set)]->best.pose,
-                            *state.world_from_marker[static_cast<std::size_t>(o.marker)]);
-    const auto x = marker_corners(o.size_m);
+                            room.truth.world_from_rig[o.frame_set]->best.pose,
+                            *room.truth.world_from_marker[o.marker]);
+    const auto x = marker_corners(room.prepared[index].size_m);
+    const auto marker = static_cast<Eigen::Index>(o.marker.value());
+    const auto rig = static_cast<Eigen::Index>(o.frame_set.value());
     for (std::size_t i = 0; i < 4; ++i) {
       CornerJacobians j;
       EXPECT_TRUE(corner_residual(chain, x[i], o.corners_px[i], &j));
       Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, h.cols());
-      row.middleCols<6>(6 * o.marker) = o.whitening[i] * j.d_marker;
-      row.middleCols<6>(6 * (markers + o.frame_set)) = o.whitening[i] * j.d_rig;
+      row.middleCols<6>(6 * marker) = room.prepared[index].whitening[i] * j.d_marker;
+      row.middleCols<6>(6 * (markers + rig)) = room.prepared[index].whitening[i] * j.d_rig;
       h += row.transpose() * row;
     }
   }
   return h;
 }
 
+test::RoomOptions small_room() {
+  test::RoomOptions options;
+  options.markers = 8;
+  options.frame_sets = 12;
+  options.room_m = 5;
+  return options;
+}
+
 class SmallRoom : public testing::Test {
  protected:
-  SmallRoom() {
-    test::RoomOptions options;
-    options.markers = 8;
-    options.frame_sets = 12;
-    options.room_m = 5;
-    room = test::make_room(options);
-    table = test::table_of(room);
+  [[nodiscard]] MarkerInformation information(std::vector<ObservationIndex> observations) const {
+    BundleProblem problem = test::bundle_of(room);
+    problem.loss = {};
+    problem.observations = std::move(observations);
+    return marker_information(problem, room.truth, 1);
   }
-  test::SyntheticRoom room;
-  ObservationTable table;
+  test::PreparedRoom room{test::make_room(small_room())};
+  Eigen::Index rows = static_cast<Eigen::Index>(6 * room.observations.markers.size());
 };
 
 TEST_F(SmallRoom, TheReducedSystemIsTheSchurComplement) {
-  const MapState state = test::true_state(room, table);
-  const auto system = marker_information(table, test::all_observations(table), {}, {}, 1, state);
-  ASSERT_EQ(system.markers.size(), table.markers.size());
-  const Eigen::MatrixXd h = dense_information(table, state);
-  const auto n = static_cast<Eigen::Index>(6 * table.markers.size());
+  const auto system = information(room.all());
+  ASSERT_EQ(system.markers.size(), room.observations.markers.size());
+  const Eigen::MatrixXd h = dense_information(room);
+  const Eigen::Index n = rows;
   const Eigen::MatrixXd rr = h.bottomRightCorner(h.rows() - n, h.cols() - n);
   const Eigen::MatrixXd schur =
       h.topLeftCorner(n, n) -
@@ -60,22 +68,22 @@ TEST_F(SmallRoom, TheReducedSystemIsTheSchurComplement) {
 }
 
 TEST_F(SmallRoom, CovariancesAreThoseOfTheGaugeWithoutMeanMotion) {
-  const MapState state = test::true_state(room, table);
-  const auto system = marker_information(table, test::all_observations(table), {}, {}, 1, state);
+  const auto system = information(room.all());
   const auto covariances = marker_covariances(system);
-  ASSERT_EQ(covariances.size(), table.markers.size());
+  const auto& poses = room.truth.world_from_marker.values();
+  ASSERT_EQ(covariances.size(), poses.size());
 
   // The same by a dense constrained inverse: minimize with Gᵀx = 0.
-  const auto n = static_cast<Eigen::Index>(6 * table.markers.size());
+  const Eigen::Index n = rows;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const auto& marker : state.world_from_marker) {
-    centre += marker->translation / static_cast<double>(table.markers.size());
+  for (const auto& marker : poses) {
+    centre += marker->translation / static_cast<double>(poses.size());
   }
   Eigen::MatrixXd g = Eigen::MatrixXd::Zero(n, 6);
-  for (std::size_t i = 0; i < table.markers.size(); ++i) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(6 * i);
     g.block<3, 3>(row, 0).setIdentity();
-    g.block<3, 3>(row, 3) = -skew(state.world_from_marker[i]->translation - centre);
+    g.block<3, 3>(row, 3) = -skew(poses[i]->translation - centre);
   }
   Eigen::MatrixXd bordered = Eigen::MatrixXd::Zero(n + 6, n + 6);
   bordered.topLeftCorner(n, n) = test::dense(system.information);
@@ -90,8 +98,8 @@ TEST_F(SmallRoom, CovariancesAreThoseOfTheGaugeWithoutMeanMotion) {
 }
 
 TEST_F(SmallRoom, OneMarkerAloneHasNoCovariance) {
-  const MapState state = test::true_state(room, table);
-  const auto system = marker_information(table, table.observations_of_marker[0], {}, {}, 1, state);
+  const auto of_one = room.selection.used_of(MarkerIndex(0));
+  const auto system = information({of_one.begin(), of_one.end()});
   EXPECT_EQ(system.markers.size(), 1U);
   EXPECT_TRUE(marker_covariances(system).empty());
 }

@@ -1,6 +1,6 @@
 #include "mapbuilder/bundle/noise_model.h"
 
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
@@ -10,9 +10,9 @@ TEST(NoiseModel, FindsTheNoiseThatIsThere) {
     test::RoomOptions options;
     options.noise_px = sigma_px;
     const auto room = test::make_room(options);
-    const auto table = test::table_of(room);
-    const double estimate = estimate_model_sigma_px(table, test::true_state(room, table),
-                                                    test::all_observations(table), {}, 0.0);
+    const test::PreparedRoom known(room);
+    const double estimate =
+        estimate_model_sigma_px(known.prepared, known.truth, known.all(), {}, 0.0);
     EXPECT_NEAR(estimate, sigma_px, 0.05 * sigma_px);
   }
 }
@@ -22,9 +22,9 @@ TEST(NoiseModel, TheDetectorsOwnCovarianceLeavesNothingToTheModel) {
   options.noise_px = 0.3;
   options.state_covariances = true;
   const auto room = test::make_room(options);
-  const auto table = test::table_of(room);
-  const double estimate = estimate_model_sigma_px(table, test::true_state(room, table),
-                                                  test::all_observations(table), {}, 0.0);
+  const test::PreparedRoom known(room);
+  const double estimate =
+      estimate_model_sigma_px(known.prepared, known.truth, known.all(), {}, 0.0);
   EXPECT_LT(estimate, 0.08);
 }
 
@@ -32,16 +32,17 @@ TEST(NoiseModel, ATwentiethOfOutliersHardlyMattersAndBoundsHold) {
   test::RoomOptions options;
   options.noise_px = 0.3;
   const auto room = test::make_room(options);
-  auto table = test::table_of(room);
-  for (std::size_t i = 0; i < table.observations.size(); i += 20) {
-    for (auto& corner : table.observations[i].corners_px) corner.x() += 300;
-  }
-  const MapState state = test::true_state(room, table);
+  const test::PreparedRoom known(room, [](Observations& observations) {
+    for (std::size_t i = 0; i < observations.usable; i += 20) {
+      for (auto& corner : observations.all[ObservationIndex(i)].corners_px) corner.x() += 300;
+    }
+  });
   const double estimate =
-      estimate_model_sigma_px(table, state, test::all_observations(table), {}, 0.0);
+      estimate_model_sigma_px(known.prepared, known.truth, known.all(), {}, 0.0);
   EXPECT_GT(estimate, 0.28);
   EXPECT_LT(estimate, 0.45);
-  EXPECT_EQ(estimate_model_sigma_px(table, state, {}, {}, 0.0), NoiseModel{}.model_sigma_px);
+  EXPECT_EQ(estimate_model_sigma_px(known.prepared, known.truth, {}, {}, 0.0),
+            NoiseModel{}.model_sigma_px);
 }
 
 TEST(NoiseModel, WeighsByCovarianceByThePaperOrNotAtAll) {
@@ -49,18 +50,19 @@ TEST(NoiseModel, WeighsByCovarianceByThePaperOrNotAtAll) {
   options.noise_px = 0.3;
   options.state_covariances = true;
   const auto room = test::make_room(options);
-  auto table = test::table_of(room);
+  const test::PreparedRoom known(room);
+  const ObservationIndex first(0);
+  const auto& ippe = known.prepared[first].ippe;
+  const auto whitened = [&](const NoiseModel& noise) {
+    return whitening_of(known.observations[first], ippe, noise)[0](0, 0);
+  };
   NoiseModel noise;
   noise.model_sigma_px = 0.4;
-  set_whitening(table, noise);
-  EXPECT_NEAR(table.observations[0].whitening[0](0, 0), 1 / 0.5, 1e-9);
+  EXPECT_NEAR(whitened(noise), 1 / 0.5, 1e-9);
   noise.weighting = Weighting::none;
-  set_whitening(table, noise);
-  EXPECT_NEAR(table.observations[0].whitening[0](0, 0), 1 / 0.4, 1e-9);
+  EXPECT_NEAR(whitened(noise), 1 / 0.4, 1e-9);
   noise.weighting = Weighting::paper;
-  set_whitening(table, noise);
-  const double weight = observation_weight(*table.observations[0].ippe, noise.paper);
-  EXPECT_NEAR(table.observations[0].whitening[0](0, 0), std::sqrt(weight) / 0.4, 1e-9);
+  EXPECT_NEAR(whitened(noise), std::sqrt(observation_weight(*ippe, noise.paper)) / 0.4, 1e-9);
 }
 
 }  // namespace

@@ -1,39 +1,42 @@
 #include "mapbuilder/bundle/outlier_gate.h"
 
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
 
+constexpr ObservationIndex kFirst(0);
+
+/// A room whose first observation has one corner so far off.
+test::PreparedRoom shifted_by(const test::SyntheticRoom& room, double px) {
+  return test::PreparedRoom(room, [&](Observations& o) { o.all[kFirst].corners_px[1].x() += px; });
+}
+
 TEST(OutlierGate, RejectsBeyondTheThresholdAndReadmitsBelowNineTenths) {
   const auto room = test::make_room({});
-  auto table = test::table_of(room);  // whitened by 1 px
-  MapState state = test::true_state(room, table);
-  const auto all = test::all_observations(table);
   const GateOptions options;
-  const auto shift_first = [&](double px) {
-    table.observations[0].corners_px = test::table_of(room).observations[0].corners_px;
-    table.observations[0].corners_px[1].x() += px;
+  Estimate estimate = test::PreparedRoom(room).truth;
+  const auto gated = [&](double sigmas) {
+    const test::PreparedRoom shifted = shifted_by(room, sigmas * options.reject_sigmas);
+    GatedEstimate result = gate_outliers(shifted.prepared, shifted.all(), options, estimate);
+    estimate = std::move(result.estimate);
+    return result.changed;
   };
-  shift_first(0.99 * options.reject_sigmas);
-  EXPECT_EQ(update_gate(table, all, options, state), 0U);
-  shift_first(1.01 * options.reject_sigmas);
-  EXPECT_EQ(update_gate(table, all, options, state), 1U);
-  EXPECT_EQ(state.accepted[0], 0);
-  shift_first(0.95 * options.reject_sigmas);
-  EXPECT_EQ(update_gate(table, all, options, state), 0U);
-  shift_first(0.85 * options.reject_sigmas);
-  EXPECT_EQ(update_gate(table, all, options, state), 1U);
-  EXPECT_EQ(state.accepted[0], 1);
+  EXPECT_EQ(gated(0.99), 0U);
+  EXPECT_EQ(gated(1.01), 1U);
+  EXPECT_FALSE(estimate.accepts(kFirst));
+  EXPECT_EQ(gated(0.95), 0U);
+  EXPECT_EQ(gated(0.85), 1U);
+  EXPECT_TRUE(estimate.accepts(kFirst));
 }
 
 TEST(OutlierGate, SwitchedOffItChangesNothing) {
   const auto room = test::make_room({});
-  auto table = test::table_of(room);
-  MapState state = test::true_state(room, table);
-  table.observations[0].corners_px[0].x() += 1000;
-  EXPECT_EQ(update_gate(table, test::all_observations(table), {false, 20}, state), 0U);
-  EXPECT_EQ(state.accepted[0], 1);
+  const test::PreparedRoom shifted = shifted_by(room, 1000);
+  const GatedEstimate result =
+      gate_outliers(shifted.prepared, shifted.all(), {false, 20}, shifted.truth);
+  EXPECT_EQ(result.changed, 0U);
+  EXPECT_TRUE(result.estimate.accepts(kFirst));
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include <random>
 
 #include "mapbuilder/build/map_builder.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
@@ -15,18 +15,19 @@ test::SyntheticRoom noisy_room(int cameras = 3) {
   return test::make_room(options);
 }
 
-BuildResult build(ObservationTable& table, const BuildOptions& options) {
+BuildResult build(const Observations& observations, const BuildOptions& options) {
   Progress progress(false);
-  return build_map(table, options, progress);
+  return build_map(Selection(observations), options, progress);
 }
 
-MarkerPlace centre_of(const ObservationTable& table, std::size_t marker) {
-  return {table.markers[marker], std::nullopt};
+MarkerPlace centre_of(const Observations& observations, std::size_t marker) {
+  return {observations.markers[MarkerIndex(marker)], std::nullopt};
 }
 
-Eigen::Vector3d true_centre(const test::SyntheticRoom& room, const ObservationTable& table,
+Eigen::Vector3d true_centre(const test::SyntheticRoom& room, const Observations& observations,
                             std::size_t marker) {
-  return room.world_from_marker[static_cast<std::size_t>(table.markers[marker].number)].translation;
+  const int number = observations.markers[MarkerIndex(marker)].number;
+  return room.world_from_marker[static_cast<std::size_t>(number)].translation;
 }
 
 TEST(Refinement, FindsTrueExtrinsicsAndSaysHowFarTheyWereOff) {
@@ -35,15 +36,16 @@ TEST(Refinement, FindsTrueExtrinsicsAndSaysHowFarTheyWereOff) {
   Vector6d off;
   off << 0.02, -0.01, 0.005, 0.01, 0.005, -0.008;
   room.rig.cameras[1].rig_from_cam = truth.plus(off);
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions options;
   options.refine.extrinsics = true;
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   ASSERT_EQ(result.submaps.size(), 1U);
   const CalibrationResult& calibration = result.calibration;
   ASSERT_TRUE(calibration.refined);
-  const Vector6d left = table.rigs[0].cameras[1].rig_from_cam.minus(truth);
-  const CameraUncertainty& sure = calibration.uncertainty.cameras[1];
+  const Vector6d left =
+      result.estimate.calibration.rigs.front().cameras[1].rig_from_cam.minus(truth);
+  const CameraUncertainty& sure = calibration.uncertainty.cameras[CameraIndex(1)];
   EXPECT_LT(left.head<3>().norm(), 5 * std::sqrt(3.0) * sure.position_m);
   EXPECT_LT(left.tail<3>().norm(), 5 * std::sqrt(3.0) * sure.rotation_rad);
   EXPECT_LT(sure.position_m, 0.002);
@@ -57,14 +59,15 @@ TEST(Refinement, FindsTrueIntrinsics) {
   stated.fu_px *= 1.006;
   stated.fv_px *= 1.006;
   room.rig.cameras[0].model = *CameraModel::create(stated);
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions options;
   options.refine.intrinsics = true;
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   const CalibrationResult& calibration = result.calibration;
   ASSERT_TRUE(calibration.refined);
-  EXPECT_NEAR(table.rigs[0].cameras[0].model.parameters().fu_px / true_fu, 1.0,
-              5 * std::max(1e-4, calibration.uncertainty.cameras[0].focal));
+  EXPECT_NEAR(
+      result.estimate.calibration.rigs.front().cameras[0].model.parameters().fu_px / true_fu, 1.0,
+      5 * std::max(1e-4, calibration.uncertainty.cameras.front().focal));
 }
 
 TEST(Refinement, ACameraThatSeesNothingStaysAsStatedAndHoldsUpNobody) {
@@ -77,25 +80,28 @@ TEST(Refinement, ACameraThatSeesNothingStaysAsStatedAndHoldsUpNobody) {
     if (image.camera == 2) image.detections.clear();
   }
   const Rigid3 unseen = room.rig.cameras[2].rig_from_cam;
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions options;
   options.refine.extrinsics = true;
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   ASSERT_TRUE(result.calibration.refined);
-  const Vector6d left = table.rigs[0].cameras[1].rig_from_cam.minus(truth);
+  const Vector6d left =
+      result.estimate.calibration.rigs.front().cameras[1].rig_from_cam.minus(truth);
   EXPECT_LT(left.head<3>().norm(), 0.005);
-  EXPECT_EQ(table.rigs[0].cameras[2].rig_from_cam.translation, unseen.translation);
-  EXPECT_EQ(table.rigs[0].cameras[2].rig_from_cam.rotation.coeffs(), unseen.rotation.coeffs());
+  EXPECT_EQ(result.estimate.calibration.rigs.front().cameras[2].rig_from_cam.translation,
+            unseen.translation);
+  EXPECT_EQ(result.estimate.calibration.rigs.front().cameras[2].rig_from_cam.rotation.coeffs(),
+            unseen.rotation.coeffs());
 }
 
 TEST(Refinement, OfOneCamerasExtrinsicsIsRefusedAndTheMapUnharmed) {
   const auto room = noisy_room(1);
-  auto plain_table = test::table_of(room);
-  const BuildResult plain = build(plain_table, {});
-  auto table = test::table_of(room);
+  const auto plain_observations = test::observations_of(room);
+  const BuildResult plain = build(plain_observations, {});
+  const auto observations = test::observations_of(room);
   BuildOptions options;
   options.refine.extrinsics = true;
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   const CalibrationResult& calibration = result.calibration;
   EXPECT_FALSE(calibration.refined);
   ASSERT_FALSE(calibration.refused.empty());
@@ -108,28 +114,28 @@ TEST(Refinement, OfOneCamerasExtrinsicsIsRefusedAndTheMapUnharmed) {
 
 TEST(Refinement, OfSizesWithoutAMeasuredLengthIsRefused) {
   const auto room = noisy_room(1);
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions options;
   options.refine.sizes = true;
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   EXPECT_FALSE(result.calibration.refused.empty());
-  EXPECT_EQ(table.sizes_m, table.stated_sizes_m);
+  EXPECT_EQ(result.estimate.calibration.sizes_m, observations.stated_sizes_m);
 }
 
 TEST(RigCheck, ARigThatFitsExplainsNothingMoreWhenFreedAndOneThatDoesNotDoes) {
   auto room = noisy_room();
-  auto table = test::table_of(room);
-  const BuildResult fits = build(table, {});
+  const auto observations = test::observations_of(room);
+  const BuildResult fits = build(observations, {});
   EXPECT_GT(fits.calibration.extrinsics_cost_ratio, kExplainsTooLittle);
   EXPECT_GT(fits.calibration.intrinsics_cost_ratio, kExplainsTooLittle);
 
   Vector6d off;
   off << 0.01, 0, 0, 0, 0.006, 0;
   room.rig.cameras[2].rig_from_cam = room.rig.cameras[2].rig_from_cam.plus(off);
-  auto bent = test::table_of(room);
+  const auto bent = test::observations_of(room);
   const BuildResult misfit = build(bent, {});
   EXPECT_LT(misfit.calibration.extrinsics_cost_ratio, kExplainsTooLittle);
-  EXPECT_EQ(bent.rigs[0].cameras[2].rig_from_cam.translation,
+  EXPECT_EQ(misfit.estimate.calibration.rigs.front().cameras[2].rig_from_cam.translation,
             room.rig.cameras[2].rig_from_cam.translation)
       << "a trial changes nothing";
 }
@@ -142,14 +148,16 @@ TEST(SurveyedBuild, ADistanceCorrectsTheScaleOfWrongSizes) {
                                  *room.catalog.entries()[0].default_size_m * kStatedTooLarge,
                                  {},
                                  {}}});
-  auto table = test::table_of(room);
-  const double distance_m = (true_centre(room, table, 0) - true_centre(room, table, 20)).norm();
-  const double check_m = (true_centre(room, table, 5) - true_centre(room, table, 30)).norm();
+  const auto observations = test::observations_of(room);
+  const double distance_m =
+      (true_centre(room, observations, 0) - true_centre(room, observations, 20)).norm();
+  const double check_m =
+      (true_centre(room, observations, 5) - true_centre(room, observations, 30)).norm();
   BuildOptions options;
   options.survey.distances = {
-      {centre_of(table, 0), centre_of(table, 20), distance_m, 0.001, SurveyUse::fit},
-      {centre_of(table, 5), centre_of(table, 30), check_m, 0.001, SurveyUse::check}};
-  const BuildResult result = build(table, options);
+      {centre_of(observations, 0), centre_of(observations, 20), distance_m, 0.001, SurveyUse::fit},
+      {centre_of(observations, 5), centre_of(observations, 30), check_m, 0.001, SurveyUse::check}};
+  const BuildResult result = build(observations, options);
   const BuiltSubMap& submap = result.submaps.at(0);
   EXPECT_EQ(submap.map.frame, FrameKind::scaled);
   ASSERT_EQ(submap.survey.size(), 2U);
@@ -160,19 +168,19 @@ TEST(SurveyedBuild, ADistanceCorrectsTheScaleOfWrongSizes) {
 
 TEST(SurveyedBuild, ThreePointsGiveTheFacilityFrame) {
   const auto room = noisy_room();
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   const Rigid3 facility_from_world{so3_exp(Eigen::Vector3d(0.1, -0.2, 1.0)), {100, -20, 3}};
   BuildOptions options;
   for (const std::size_t m : {0U, 13U, 27U, 35U}) {
-    options.survey.points.push_back({centre_of(table, m),
-                                     facility_from_world * true_centre(room, table, m), 0.001,
-                                     m == 35U ? SurveyUse::check : SurveyUse::fit});
+    options.survey.points.push_back({centre_of(observations, m),
+                                     facility_from_world * true_centre(room, observations, m),
+                                     0.001, m == 35U ? SurveyUse::check : SurveyUse::fit});
   }
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   const SubMap& map = result.submaps.at(0).map;
   EXPECT_EQ(map.frame, FrameKind::facility);
   for (std::size_t m = 0; m < map.markers.size(); ++m) {
-    const Eigen::Vector3d truth = facility_from_world * true_centre(room, table, m);
+    const Eigen::Vector3d truth = facility_from_world * true_centre(room, observations, m);
     const Eigen::Vector3d off = map.markers[m].world_from_marker.translation - truth;
     EXPECT_LT(off.norm(), 0.01);
     // In the survey's gauge: nothing is known better than three points of 1 mm tell, and errors
@@ -186,13 +194,13 @@ TEST(SurveyedBuild, ThreePointsGiveTheFacilityFrame) {
 
 TEST(SurveyedBuild, TwoPointsDoNot) {
   const auto room = noisy_room();
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions options;
   for (const std::size_t m : {0U, 13U}) {
     options.survey.points.push_back(
-        {centre_of(table, m), true_centre(room, table, m), 0.001, SurveyUse::fit});
+        {centre_of(observations, m), true_centre(room, observations, m), 0.001, SurveyUse::fit});
   }
-  const BuildResult result = build(table, options);
+  const BuildResult result = build(observations, options);
   EXPECT_EQ(result.submaps.at(0).map.frame, FrameKind::arbitrary);
   EXPECT_FALSE(result.submaps[0].survey[0].mapped);
 }

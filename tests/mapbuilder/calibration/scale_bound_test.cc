@@ -2,16 +2,16 @@
 
 #include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/bundle/edge_bias.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
 
 constexpr double kBias_px = 0.3;
 
-BuildResult build(ObservationTable& table, const BuildOptions& options = {}) {
+BuildResult build(const Observations& observations, const BuildOptions& options = {}) {
   Progress progress(false);
-  return build_map(table, options, progress);
+  return build_map(Selection(observations), options, progress);
 }
 
 /// Root mean square of the markers' distances from their middle.
@@ -32,10 +32,10 @@ TEST(ScaleBound, IsWhatEdgesThatAreSeenFurtherOutDoToTheMap) {
   options.cameras = 1;
   options.noise_px = 0.05;
   auto room = test::make_room(options);
-  auto table = test::table_of(room);
-  const BuildResult plain = build(table);
+  const auto observations = test::observations_of(room);
+  const BuildResult plain = build(observations);
   ASSERT_EQ(plain.submaps.at(0).scale_per_edge_px.size(), 1U);
-  const double predicted = kBias_px * plain.submaps[0].scale_per_edge_px[0];
+  const double predicted = kBias_px * plain.submaps[0].scale_per_edge_px.front();
   // Markers look larger, so everything is taken to be nearer.
   EXPECT_LT(predicted, -1e-4);
   for (ImageDetections& image : room.images) {
@@ -44,8 +44,8 @@ TEST(ScaleBound, IsWhatEdgesThatAreSeenFurtherOutDoToTheMap) {
       for (std::size_t i = 0; i < 4; ++i) d.corners[i] += kBias_px * outward[i];
     }
   }
-  auto biased_table = test::table_of(room);
-  const BuildResult biased = build(biased_table);
+  const auto biased_observations = test::observations_of(room);
+  const BuildResult biased = build(biased_observations);
   const double happened = size_of(biased.submaps.at(0).map) / size_of(plain.submaps[0].map) - 1.0;
   EXPECT_NEAR(happened, predicted, 0.15 * std::abs(predicted));
 }
@@ -54,7 +54,7 @@ TEST(ScaleBound, IsNotSaidWhereALengthWasMeasured) {
   test::RoomOptions options;
   options.noise_px = 0.2;
   const auto room = test::make_room(options);
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   BuildOptions surveyed;
   const double true_m =
       (room.world_from_marker[0].translation - room.world_from_marker[20].translation).norm();
@@ -63,7 +63,7 @@ TEST(ScaleBound, IsNotSaidWhereALengthWasMeasured) {
                                 true_m,
                                 0.001,
                                 SurveyUse::fit}};
-  EXPECT_TRUE(build(table, surveyed).submaps.at(0).scale_per_edge_px.empty());
+  EXPECT_TRUE(build(observations, surveyed).submaps.at(0).scale_per_edge_px.empty());
 }
 
 }  // namespace

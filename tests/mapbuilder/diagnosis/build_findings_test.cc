@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 struct Sound {
   Sound() {
     BuiltSubMap submap;
-    submap.settled = true;
+    submap.converged = true;
     submap.covariances_known = true;
     submap.model_sigma_px = 0.2;
     for (const int number : {3, 7}) {
@@ -23,14 +23,14 @@ struct Sound {
       submap.map.markers.push_back(marker);
     }
     result.submaps.push_back(submap);
-    table.frame_sets.resize(10);
+    observations.frame_sets.resize(10);
   }
   BuildResult result;
-  ObservationTable table;
+  Observations observations;
 
   [[nodiscard]] std::vector<FindingKind> kinds() const {
     std::vector<FindingKind> found;
-    for (const Finding& finding : build_findings(result, table)) {
+    for (const Finding& finding : build_findings(result, observations)) {
       EXPECT_FALSE(finding.title.empty());
       EXPECT_FALSE(finding.evidence.empty());
       EXPECT_TRUE(finding.severity == Severity::note || !finding.remedy.empty());
@@ -47,16 +47,16 @@ TEST(BuildFindings, NothingIsSaidOfASoundBuild) { EXPECT_EQ(Sound().kinds(), Kin
 TEST(BuildFindings, NothingIsSaidOfASoundRoom) {
   test::RoomOptions options;
   options.noise_px = 0.2;
-  ObservationTable table = test::table_of(test::make_room(options));
+  Observations observations = test::observations_of(test::make_room(options));
   Progress progress;
-  const BuildResult result = build_map(table, {}, progress);
-  EXPECT_TRUE(build_findings(result, table).empty());
+  const BuildResult result = build_map(Selection(observations), {}, progress);
+  EXPECT_TRUE(build_findings(result, observations).empty());
 }
 
 TEST(BuildFindings, MarkersOfOneViewAreNamedAndNoOthers) {
   Sound build;
   build.result.submaps[0].map.markers[1].verified = false;
-  const auto findings = build_findings(build.result, build.table);
+  const auto findings = build_findings(build.result, build.observations);
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].kind, FindingKind::one_view);
   EXPECT_EQ(findings[0].title, "1 marker: one view, not verified");
@@ -68,7 +68,7 @@ TEST(BuildFindings, PartsAreCounted) {
   Sound build;
   build.result.submaps.push_back(build.result.submaps[0]);
   build.result.submaps[1].map.markers.pop_back();
-  const auto findings = build_findings(build.result, build.table);
+  const auto findings = build_findings(build.result, build.observations);
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].kind, FindingKind::submaps);
   ASSERT_EQ(findings[0].figures.size(), 2U);
@@ -76,9 +76,9 @@ TEST(BuildFindings, PartsAreCounted) {
 }
 
 TEST(BuildFindings, EachWeaknessOfASubMapHasItsFinding) {
-  Sound unsettled;
-  unsettled.result.submaps[0].settled = false;
-  EXPECT_EQ(unsettled.kinds(), Kinds{FindingKind::unsettled});
+  Sound restless;
+  restless.result.submaps[0].converged = false;
+  EXPECT_EQ(restless.kinds(), Kinds{FindingKind::unsettled});
   Sound loose;
   loose.result.submaps[0].covariances_known = false;
   EXPECT_EQ(loose.kinds(), Kinds{FindingKind::covariances_unknown});
@@ -92,14 +92,14 @@ TEST(BuildFindings, EachWeaknessOfASubMapHasItsFinding) {
 TEST(BuildFindings, WhatFoundNoPlaceIsSaid) {
   Sound build;
   build.result.unmapped = {{Family::tag36h11, 44}};
-  build.result.unlocalized = {1, 2};
-  build.result.without_markers = {5};
-  build.table.repeated_in_image = 6;
-  build.table.degenerate = 1;
+  build.result.unlocalized = {FrameSetIndex(1), FrameSetIndex(2)};
+  build.result.without_markers = {FrameSetIndex(5)};
+  build.observations.repeated_in_image = 6;
+  build.observations.degenerate = 1;
   EXPECT_EQ(build.kinds(),
             (Kinds{FindingKind::unmapped, FindingKind::unlocalized, FindingKind::repeated_in_image,
                    FindingKind::no_square, FindingKind::no_marker_seen}));
-  const auto findings = build_findings(build.result, build.table);
+  const auto findings = build_findings(build.result, build.observations);
   EXPECT_EQ(findings[0].title, "1 marker seen but not mapped");
   EXPECT_EQ(findings[1].title, "2 frame sets could not be localized");
   EXPECT_EQ(findings[3].severity, Severity::note);

@@ -61,11 +61,12 @@ TEST_F(DiagnosedBuildTest, threadsLeaveNoTrace) {
   state_size(room, 7, 0.33);
   hang(room, 3, shifted(room.world_from_marker[3], 1.0, 0.2), 0.3, [](Stamp) { return true; });
   const auto built_by = [&](int threads) {
-    auto table = make_observation_table({capture_of(room)}, {.mono = false, .threads = threads});
-    EXPECT_TRUE(table);
+    const auto observations =
+        make_observations({capture_of(room)}, {.mono = false, .threads = threads});
+    EXPECT_TRUE(observations);
     BuildOptions options;
     options.threads = threads;
-    return build_and_diagnose(*table, options, {}, progress_);
+    return build_and_diagnose(*observations, options, {}, progress_);
   };
   const DiagnosedBuild one = built_by(1);
   const DiagnosedBuild three = built_by(3);

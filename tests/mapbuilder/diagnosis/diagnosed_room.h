@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "mapbuilder/diagnosis/diagnosed_build.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark::test {
 
@@ -48,11 +48,11 @@ inline Rigid3 shifted(const Rigid3& pose, double right_m, double up_m, double tu
 /// Builds and diagnoses a room.
 class DiagnosedRoom : public ::testing::Test {
  protected:
-  void build(std::vector<DetectedCapture> captures, const TableOptions& options = {}) {
-    auto table = make_observation_table(std::move(captures), options);
-    ASSERT_TRUE(table) << table.error().message;
-    table_ = std::move(*table);
-    build_ = build_and_diagnose(table_, {}, {}, progress_);
+  void build(std::vector<DetectedCapture> captures, const ObservationOptions& options = {}) {
+    auto made = make_observations(captures, options);
+    ASSERT_TRUE(made) << made.error().message;
+    observations_ = std::move(*made);
+    build_ = build_and_diagnose(observations_, {}, {}, progress_);
     ASSERT_FALSE(build_.result.submaps.empty());
   }
   void build(const SyntheticRoom& room) { build({capture_of(room)}); }
@@ -112,7 +112,7 @@ class DiagnosedRoom : public ::testing::Test {
   }
 
   Progress progress_{false};
-  ObservationTable table_;
+  Observations observations_;
   DiagnosedBuild build_;
 };
 

@@ -3,29 +3,29 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
 
-std::vector<PlacementView> views_of(const test::SyntheticRoom& room, const ObservationTable& table,
-                                    std::size_t marker, std::size_t most) {
+std::vector<PlacementView> views_of(const test::PreparedRoom& room, MarkerIndex marker,
+                                    std::size_t most) {
   std::vector<PlacementView> views;
-  for (const std::size_t index : table.observations_of_marker[marker]) {
+  for (const ObservationIndex index : room.selection.used_of(marker)) {
     if (views.size() == most) break;
-    const TableObservation& o = table.observations[index];
-    const RigCamera& camera = camera_of(table, o);
-    views.push_back({&o, &camera.model, camera.rig_from_cam.inverse(),
-                     room.world_from_rig[static_cast<std::size_t>(o.frame_set)], std::nullopt});
+    const Observation& o = room.observations[index];
+    const RigCamera& camera = room.truth.calibration.camera(room.observations, o);
+    views.push_back({&room.prepared[index], &camera.model, camera.rig_from_cam.inverse(),
+                     room.truth.world_from_rig[o.frame_set]->best.pose, std::nullopt});
   }
   return views;
 }
 
 TEST(MarkerPlacement, PlacesAMarkerByItsViews) {
   const auto room = test::make_room({});
-  const auto table = test::table_of(room);
-  for (std::size_t m = 0; m < table.markers.size(); m += 5) {
-    const auto views = views_of(room, table, m, 6);
+  const test::PreparedRoom prepared(room);
+  for (std::size_t m = 0; m < prepared.observations.markers.size(); m += 5) {
+    const auto views = views_of(prepared, MarkerIndex(m), 6);
     ASSERT_GE(views.size(), 2U);
     const auto estimate = place_marker(views, {});
     ASSERT_TRUE(estimate);
@@ -36,8 +36,8 @@ TEST(MarkerPlacement, PlacesAMarkerByItsViews) {
 
 TEST(MarkerPlacement, AnAmbiguousRigsOtherPoseIsTriedToo) {
   const auto room = test::make_room({});
-  const auto table = test::table_of(room);
-  auto views = views_of(room, table, 3, 3);
+  const test::PreparedRoom prepared(room);
+  auto views = views_of(prepared, MarkerIndex(3), 3);
   ASSERT_EQ(views.size(), 3U);
   // The first view's rig pose is wrong, its runner-up right.
   views[0].other_world_from_rig = views[0].world_from_rig;

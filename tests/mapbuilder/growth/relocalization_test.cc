@@ -1,6 +1,6 @@
 #include "mapbuilder/growth/relocalization.h"
 
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
@@ -23,16 +23,16 @@ TEST(Relocalization, EveryFrameSetFindsItsPlaceOnATrueMap) {
   test::RoomOptions options;
   options.noise_px = 0.2;
   const auto room = test::make_room(options);
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   Progress silent(false);
-  const auto results = relocalize(table, true_map(room), {}, silent);
+  const auto results = relocalize(observations, true_map(room), {}, silent);
   ASSERT_EQ(results.size(), 1U);
   ASSERT_EQ(results[0].trajectory.size(), 60U);
   EXPECT_EQ(results[0].localized, results[0].candidates);
   EXPECT_EQ(results[0].rejected, 0U);
   EXPECT_NEAR(results[0].model_sigma_px, 0.2, 0.02);
   for (const LocalizedFrameSet& localized : results[0].trajectory) {
-    const auto& truth = room.world_from_rig[static_cast<std::size_t>(localized.frame_set)];
+    const auto& truth = room.world_from_rig[localized.frame_set.value()];
     EXPECT_LT(localized.world_from_rig.minus(truth).head<3>().norm(), 0.01);
   }
 }
@@ -43,9 +43,9 @@ TEST(Relocalization, UsesTheMapsSizesNotTheCatalogs) {
   wrong.default_size_m = 0.2;
   const MarkerMap map = true_map(room);
   room.catalog = MarkerCatalog({wrong});
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   Progress silent(false);
-  const auto results = relocalize(table, map, {}, silent);
+  const auto results = relocalize(observations, map, {}, silent);
   EXPECT_LT(results[0].rms_all_px, 1e-3);
 }
 
@@ -53,12 +53,12 @@ TEST(Relocalization, AMovedMarkerIsRejected) {
   test::RoomOptions options;
   options.noise_px = 0.2;
   const auto room = test::make_room(options);
-  auto table = test::table_of(room);
+  const auto observations = test::observations_of(room);
   MarkerMap map = true_map(room);
   map.submaps[0].markers[11].world_from_marker.translation += Eigen::Vector3d(0.2, 0.2, 0.2);
   Progress silent(false);
-  const auto results = relocalize(table, map, {}, silent);
-  EXPECT_EQ(results[0].rejected, table.observations_of_marker[11].size());
+  const auto results = relocalize(observations, map, {}, silent);
+  EXPECT_EQ(results[0].rejected, Selection(observations).used_of(MarkerIndex(11)).size());
 }
 
 }  // namespace

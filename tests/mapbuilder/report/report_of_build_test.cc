@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
@@ -19,21 +19,21 @@ class ReportOfBuild : public testing::Test {
   }
 
   Report report(bool mono, Rigid3 truth_from_world = {}) {
-    table = test::table_of(room, {mono, 1});
+    observations = test::observations_of(room, {mono, 1});
     BuildOptions build;
     build.threads = 1;
     Progress progress;
-    result = build_map(table, build, progress);
+    result = build_map(Selection(observations), build, progress);
     CaptureTruth truth{"room", room.rig, {}};
     for (std::size_t i = 0; i < room.world_from_rig.size(); ++i) {
       truth.world_from_rig.push_back(
           {test::room_stamp(static_cast<int>(i)), truth_from_world * room.world_from_rig[i]});
     }
-    return report_of_build(result, table, {truth});
+    return report_of_build(result, observations, {truth});
   }
 
   test::SyntheticRoom room = test::make_room(options());
-  ObservationTable table;
+  Observations observations;
   BuildResult result;
 };
 
@@ -42,7 +42,7 @@ TEST_F(ReportOfBuild, TellsEveryObservationWithItsResidual) {
   ASSERT_EQ(told.submaps.size(), 1U);
   ASSERT_EQ(told.cameras.size(), 3U);
   EXPECT_EQ(told.cameras[2].name, "cam2");
-  EXPECT_EQ(told.observations.size(), table.observations.size());
+  EXPECT_EQ(told.observations.size(), observations.usable);
   double squared = 0;
   for (const ReportObservation& o : told.observations) {
     EXPECT_TRUE(o.accepted);
@@ -98,7 +98,7 @@ TEST_F(ReportOfBuild, KnowsWhereTheCamerasUpPoints) {
 
 TEST_F(ReportOfBuild, WithoutTruthThereIsNone) {
   (void)report(false);
-  const Report told = report_of_build(result, table, {});
+  const Report told = report_of_build(result, observations, {});
   EXPECT_TRUE(told.submaps[0].tracks[0].true_poses.empty());
   EXPECT_FALSE(told.submaps[0].tracks[0].rmse_to_true);
 }

@@ -6,7 +6,7 @@
 
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 #include "tests/mapbuilder/report/small_report.h"
 
 namespace waymark {
@@ -16,14 +16,14 @@ Report sample_report() {
   test::RoomOptions options;
   options.noise_px = 0.2;
   const test::SyntheticRoom room = test::make_room(options);
-  ObservationTable table = test::table_of(room);
+  Observations observations = test::observations_of(room);
   Progress progress;
-  const BuildResult result = build_map(table, {}, progress);
+  const BuildResult result = build_map(Selection(observations), {}, progress);
   CaptureTruth truth{"room", room.rig, {}};
   for (std::size_t i = 0; i < room.world_from_rig.size(); ++i) {
     truth.world_from_rig.push_back({test::room_stamp(static_cast<int>(i)), room.world_from_rig[i]});
   }
-  Report report = report_of_build(result, table, {truth});
+  Report report = report_of_build(result, observations, {truth});
   const Report hostile = test::small_report();
   report.map_name = hostile.map_name;
   report.captures[0].name = hostile.captures[0].name;

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/camera/rig.h"
+#include "core/capture/detection.h"
+#include "core/capture/frame_set.h"
+#include "core/marker/marker_catalog.h"
+
+namespace waymark {
+
+/// A capture with its detections made or read: what mapping starts from.
+struct DetectedCapture {
+  std::string name;  ///< for messages
+  Rig rig;
+  MarkerCatalog catalog;
+  std::vector<ImageDetections> images;  ///< by rising (stamp, camera)
+  Stamp sync_tolerance = kDefaultSyncTolerance;
+  bool monotonic = false;  ///< its stamps can't be compared with another capture's
+};
+
+/// 16 hexadecimal digits that depend on a rig's numbers, or on a capture's detections, and nothing
+/// else.
+[[nodiscard]] std::string fingerprint(const Rig& rig);
+[[nodiscard]] std::string fingerprint(const DetectedCapture& capture);
+/// Of several rigs together, given by their fingerprints in an order of their own.
+[[nodiscard]] std::string fingerprint(const std::vector<std::string>& rigs);
+
+/// Whether two rigs are one: the same names and numbers, and no serial that says otherwise.
+[[nodiscard]] bool are_same(const Rig& a, const Rig& b);
+
+/// Whether both rigs state all their cameras' serials, and these are alike.
+[[nodiscard]] bool have_same_serials(const Rig& a, const Rig& b);
+
+/// The canonical order of the detections in one image: by marker, then by corners.
+[[nodiscard]] std::vector<const Detection*> in_canonical_order(
+    const std::vector<Detection>& detections);
+
+}  // namespace waymark

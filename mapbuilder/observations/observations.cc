@@ -1,0 +1,241 @@
+#include "mapbuilder/observations/observations.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/base/parallel.h"
+#include "core/estimate/ippe.h"
+
+namespace waymark {
+namespace {
+
+/// A rig that is the camera itself: mono frames are world_from_cam.
+Rig single_camera_rig(const RigCamera& camera) {
+  Rig rig;
+  rig.cameras.push_back(camera);
+  rig.cameras.front().rig_from_cam = Rigid3{};
+  return rig;
+}
+
+/// Gives each capture's images their frame sets, rigs and observations.
+class ObservationMaker {
+ public:
+  ObservationMaker(const ObservationOptions& options, const std::map<MarkerId, double>& sizes_m)
+      : options_(options) {
+    for (const auto& [marker, size_m] : sizes_m) {
+      index_of_.emplace(marker, made_.markers.push_back(marker));
+      made_.stated_sizes_m.push_back(size_m);
+    }
+  }
+
+  void add(const DetectedCapture& capture, std::size_t place, const std::string& hash) {
+    const CaptureIndex index =
+        made_.captures.push_back({capture.name, hash, place, capture.monotonic});
+    std::vector<StampedImage> stamped;
+    stamped.reserve(capture.images.size());
+    for (const ImageDetections& image : capture.images) {
+      stamped.push_back({image.camera, image.stamp});
+    }
+    const bool mono = options_.mono || capture.rig.cameras.size() == 1;
+    const std::vector<RigIndex> rigs = rigs_of(capture, mono);
+    const auto frame_sets = mono ? one_frame_set_per_image(stamped)
+                                 : group_into_frame_sets(stamped, capture.sync_tolerance);
+    for (const FrameSet& frame_set : frame_sets) {
+      const int camera = mono ? stamped[frame_set.images.front()].camera : 0;
+      ObservedFrameSet set;
+      set.rig = rigs[static_cast<std::size_t>(camera)];
+      set.capture = index;
+      set.stamp = frame_set.stamp;
+      // A rig of one camera needs no "camN" in its trajectory's name unless mono was asked for.
+      if (options_.mono) set.mono_camera = camera;
+      const FrameSetIndex made = made_.frame_sets.push_back(set);
+      for (const std::size_t image : frame_set.images) {
+        add_image(capture.images[image], mono ? 0 : capture.images[image].camera, made);
+      }
+    }
+  }
+
+  /// Leaves out what has no IPPE solution, and puts what an image shows twice behind the rest.
+  [[nodiscard]] Observations finish(int threads) && {
+    const std::vector<char> is_square = squares(threads);
+    std::vector<Observation> repeated;
+    std::size_t at = 0;
+    for (const FrameSetIndex f : made_.frame_sets.indices()) {
+      const std::size_t first = made_.all.size();
+      for (; at < found_.size() && found_[at].observation.frame_set == f; ++at) {
+        if (found_[at].repeated) {
+          if (is_square[at] != 0) repeated.push_back(found_[at].observation);
+        } else if (is_square[at] != 0) {
+          made_.all.push_back(found_[at].observation);
+        } else {
+          ++made_.degenerate;
+        }
+      }
+      made_.frame_sets[f].observations = {first, made_.all.size() - first};
+    }
+    made_.usable = made_.all.size();
+    for (const Observation& o : repeated) made_.all.push_back(o);
+    return std::move(made_);
+  }
+
+ private:
+  struct Found {
+    Observation observation;
+    bool repeated = false;
+  };
+
+  /// Per camera of a mono capture, else one.
+  std::vector<RigIndex> rigs_of(const DetectedCapture& capture, bool mono) {
+    if (!mono) return {index_of(capture.rig)};
+    std::vector<RigIndex> rigs;
+    for (const RigCamera& camera : capture.rig.cameras) {
+      rigs.push_back(index_of(single_camera_rig(camera)));
+    }
+    return rigs;
+  }
+
+  /// Of the rig among those made; it is put there unless it is there already.
+  RigIndex index_of(const Rig& rig) {
+    for (const RigIndex r : made_.rigs.indices()) {
+      if (are_same(rig, made_.rigs[r])) return r;
+    }
+    const RigIndex added = made_.rigs.push_back(rig);
+    made_.first_camera.push_back(CameraIndex(made_.cameras.size()));
+    for (std::size_t c = 0; c < rig.cameras.size(); ++c) made_.cameras.push_back({added, c});
+    return added;
+  }
+
+  void add_image(const ImageDetections& image, int camera_in_rig, FrameSetIndex frame_set) {
+    std::vector<const Detection*> sorted = in_canonical_order(image.detections);
+    std::erase_if(sorted, [&](const Detection* d) { return !index_of_.contains(d->marker); });
+    const CameraIndex first = made_.first_camera[made_.frame_sets[frame_set].rig];
+    for (std::size_t i = 0; i < sorted.size(); ++i) {
+      const Detection& d = *sorted[i];
+      Found found;
+      found.repeated = (i > 0 && sorted[i - 1]->marker == d.marker) ||
+                       (i + 1 < sorted.size() && sorted[i + 1]->marker == d.marker);
+      found.observation.frame_set = frame_set;
+      found.observation.camera =
+          CameraIndex(first.value() + static_cast<std::size_t>(camera_in_rig));
+      found.observation.marker = index_of_.at(d.marker);
+      found.observation.corners_px = d.corners;
+      found.observation.covariances = d.covariances.value_or(
+          CornerCovariances{Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero(),
+                            Eigen::Matrix2d::Zero(), Eigen::Matrix2d::Zero()});
+      made_.repeated_in_image += found.repeated ? 1 : 0;
+      found_.push_back(found);
+    }
+  }
+
+  /// Per observation: 1 where its corners are a view of a square.
+  [[nodiscard]] std::vector<char> squares(int threads) const {
+    std::vector<char> is_square(found_.size(), 0);
+    parallel_for(found_.size(), threads, [&](std::size_t i) {
+      const Observation& o = found_[i].observation;
+      const CameraPlace& place = made_.cameras[o.camera];
+      const CameraModel& camera = made_.rigs[place.rig].cameras[place.in_rig].model;
+      is_square[i] = solve_ippe(camera, o.corners_px, made_.stated_sizes_m[o.marker]) ? 1 : 0;
+    });
+    return is_square;
+  }
+
+  ObservationOptions options_;
+  Observations made_;
+  std::map<MarkerId, MarkerIndex> index_of_;
+  std::vector<Found> found_;  ///< by rising frame set
+};
+
+/// Sizes of all detected markers that exist; an id with two sizes is an error.
+Expected<std::map<MarkerId, double>> collect_sizes(const std::vector<DetectedCapture>& captures) {
+  std::map<MarkerId, double> sizes;
+  std::map<MarkerId, std::string> stated_by;
+  for (const DetectedCapture& capture : captures) {
+    for (const ImageDetections& image : capture.images) {
+      for (const Detection& d : image.detections) {
+        const auto size = capture.catalog.size_m(d.marker);
+        if (!size) continue;
+        const auto [known, is_new] = sizes.emplace(d.marker, *size);
+        if (is_new) {
+          stated_by[d.marker] = capture.name;
+        } else if (known->second != *size) {
+          return fail(ErrorKind::bad_data,
+                      "{}: marker {} is {} m here and {} m in {}; make markers.toml of the "
+                      "captures agree",
+                      capture.name, format_marker_id(d.marker, true), *size, known->second,
+                      stated_by[d.marker]);
+        }
+      }
+    }
+  }
+  return sizes;
+}
+
+/// Error: bad_data when a rig has several cameras, no transforms, and is not used mono.
+Status check_rigs(const std::vector<DetectedCapture>& captures, bool mono) {
+  for (const DetectedCapture& capture : captures) {
+    if (!mono && !capture.rig.has_extrinsics && capture.rig.cameras.size() > 1) {
+      return fail(ErrorKind::bad_data,
+                  "{}: rig.yaml has {} cameras without transforms between them; add T_cn_cnm1, or "
+                  "map with --mono",
+                  capture.name, capture.rig.cameras.size());
+    }
+  }
+  return {};
+}
+
+std::string fingerprint_of_rigs(const std::vector<DetectedCapture>& captures) {
+  std::set<std::string> rigs;
+  for (const DetectedCapture& capture : captures) rigs.insert(fingerprint(capture.rig));
+  return rigs.size() == 1 ? *rigs.begin()
+                          : fingerprint(std::vector<std::string>(rigs.begin(), rigs.end()));
+}
+
+/// See Observations::recalibrated.
+std::vector<std::pair<std::string, std::string>> recalibrated_pairs(
+    const std::vector<DetectedCapture>& captures) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const DetectedCapture& one : captures) {
+    for (const DetectedCapture& other : captures) {
+      if (other.name > one.name && !are_same(one.rig, other.rig) &&
+          have_same_serials(one.rig, other.rig)) {
+        pairs.emplace_back(one.name, other.name);
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+}  // namespace
+
+Expected<Observations> make_observations(const std::vector<DetectedCapture>& captures,
+                                         const ObservationOptions& options) {
+  if (captures.empty()) return fail(ErrorKind::usage, "no capture given: name at least one");
+  if (auto usable = check_rigs(captures, options.mono); !usable) {
+    return tl::make_unexpected(usable.error());
+  }
+  const auto sizes = collect_sizes(captures);
+  if (!sizes) return tl::make_unexpected(sizes.error());
+
+  std::vector<std::pair<std::string, std::size_t>> order;
+  for (std::size_t i = 0; i < captures.size(); ++i) {
+    order.emplace_back(fingerprint(captures[i]), i);
+  }
+  std::sort(order.begin(), order.end());
+  ObservationMaker maker(options, *sizes);
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const auto& [hash, place] = order[i];
+    if (i > 0 && order[i - 1].first == hash) {
+      return fail(ErrorKind::usage, "{} and {} hold the same capture; name it once",
+                  captures[order[i - 1].second].name, captures[place].name);
+    }
+    maker.add(captures[place], place, hash);
+  }
+  Observations made = std::move(maker).finish(effective_threads(options.threads));
+  made.rig_fingerprint = fingerprint_of_rigs(captures);
+  made.recalibrated = recalibrated_pairs(captures);
+  return made;
+}
+
+}  // namespace waymark
