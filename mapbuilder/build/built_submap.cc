@@ -147,7 +147,7 @@ BuiltSubMap describe(const JointBuild& build, const Component& part) {
   const MarkerInformation information =
       marker_information(table, observations, options.loss, scope, build.threads(), state);
   const std::vector<Matrix6d> covariances = marker_covariances(information);
-  result.covariances_known = !covariances.empty() || part.markers.size() < 2;
+  result.covariances_known = !covariances.empty();
   const Matrix6d turn = left_motion_jacobian(world_from_built);
   for (const int index : part.markers) {
     const auto m = static_cast<std::size_t>(index);
@@ -162,7 +162,7 @@ BuiltSubMap describe(const JointBuild& build, const Component& part) {
     marker.verified = independent[m] >= 2;
     const auto slot =
         std::lower_bound(information.markers.begin(), information.markers.end(), index);
-    if (part.markers.size() > 1) marker.covariance = unknown_covariance();
+    marker.covariance = unknown_covariance();
     if (!covariances.empty() && slot != information.markers.end() && *slot == index) {
       const Matrix6d& covariance =
           covariances[static_cast<std::size_t>(slot - information.markers.begin())];

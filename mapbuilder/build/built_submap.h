@@ -31,7 +31,7 @@ struct BuiltSubMap {
   /// See scale_bound.h: per camera of the table's rigs, where no measured length tells the scale.
   std::vector<double> scale_per_edge_px;
   bool settled = false;            ///< converged, with gate, flips and noise at rest
-  bool covariances_known = false;  ///< false: the map holds them as unknown
+  bool covariances_known = false;  ///< false: the map holds them as unknown, as of a marker alone
 };
 
 /// Statistics, covariances and trajectory of a finished build's markers that stand in one world:
