@@ -8,6 +8,8 @@
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/trajectory_file.h"
+#include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/diagnosis/table_findings.h"
 #include "mapbuilder/growth/relocalization.h"
 
 namespace waymark {
@@ -37,6 +39,7 @@ void leave_out(const Quarantine& quarantine, MarkerMap& map, std::ostream& notes
 Status run_localize(const LocalizeOptions& options, Progress& progress, std::ostream& out,
                     std::ostream& notes) {
   if (auto writable = check_writable(options.trajectory); !writable) return writable;
+  if (auto spares = check_spares(options.trajectory, {options.map}); !spares) return spares;
   auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
   if (options.quarantine) {
@@ -44,11 +47,19 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
     if (!quarantine) return tl::make_unexpected(quarantine.error());
     leave_out(*quarantine, *map, notes);
   }
-  auto captures = take_captures_in(options.input, progress, notes);
-  if (!captures) return tl::make_unexpected(captures.error());
-  auto table =
-      make_observation_table(std::move(*captures), {options.mono, options.input.detect.threads});
+  auto taken = take_captures_in(options.input, progress, notes);
+  if (!taken) return tl::make_unexpected(taken.error());
+  auto table = make_observation_table(std::move(taken->captures),
+                                      {options.mono, options.input.detect.threads});
   if (!table) return tl::make_unexpected(table.error());
+  std::vector<Finding> findings = std::move(taken->findings);
+  for (Finding& finding : table_findings(*table)) findings.push_back(std::move(finding));
+  findings = judged(std::move(findings), options.rules);
+  print_findings(findings, notes);
+  if (!may_stand(findings, options.rules)) {
+    return tl::make_unexpected(
+        refusal_of(options.trajectory.string(), findings, "nothing was written"));
+  }
 
   BuildOptions build = options.build;
   build.threads = options.input.detect.threads;
@@ -61,7 +72,6 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
                 options.input.paths.front().string(), table->observations.size(),
                 options.map.string());
   }
-  print_table_notes(*table, notes);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RelocalizedSubMap& result = results[i];
     if (auto written = write_trajectory(options.trajectory, i, *table, result.trajectory);

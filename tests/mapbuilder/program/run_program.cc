@@ -56,7 +56,9 @@ int error_lines(const ProgramRun& run) {
   std::istringstream lines(run.err);
   std::string line;
   int count = 0;
-  while (std::getline(lines, line)) count += line.rfind("mapbuilder:", 0) == 0 ? 1 : 0;
+  while (std::getline(lines, line)) {
+    count += line.rfind("mapbuilder:", 0) == 0 || line.rfind("error [", 0) == 0 ? 1 : 0;
+  }
   return count;
 }
 

@@ -21,7 +21,7 @@ struct ProgramRun {
 [[nodiscard]] ProgramRun run_mapbuilder(const std::vector<std::string>& arguments,
                                         std::size_t max_file_bytes = 0);
 
-/// Number of lines on stderr that begin "mapbuilder:": what a failed run has to say.
+/// Number of lines on stderr that say why a run failed: "mapbuilder: …" or "error [cause] …".
 [[nodiscard]] int error_lines(const ProgramRun& run);
 
 /// Writes a room as a capture folder with detections.csv (rig.yaml, markers.toml beside it).

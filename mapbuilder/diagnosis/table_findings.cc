@@ -1,0 +1,45 @@
+#include "mapbuilder/diagnosis/table_findings.h"
+
+#include <fmt/format.h>
+
+namespace waymark {
+namespace {
+
+std::string detections(int count) {
+  return fmt::format("{} detection{}", count, count == 1 ? "" : "s");
+}
+
+Finding repeated_found(int count) {
+  Finding finding;
+  finding.cause = Cause::twin;
+  finding.subject = detections(count);
+  finding.text =
+      "left out: their id was found twice in one image, and neither of two markers with one id can "
+      "be trusted.";
+  finding.remedy = "Check whether a marker is printed twice.";
+  finding.figures = {{"detections left out", static_cast<double>(count), "", {}}};
+  return finding;
+}
+
+Finding degenerate_found(int count) {
+  Finding finding;
+  finding.severity = Severity::note;
+  finding.cause = Cause::wrong_id;
+  finding.subject = detections(count);
+  finding.text =
+      "left out: their corners are no view of a square; they lie outside the lens's domain, or "
+      "cross.";
+  finding.figures = {{"detections left out", static_cast<double>(count), "", {}}};
+  return finding;
+}
+
+}  // namespace
+
+std::vector<Finding> table_findings(const ObservationTable& table) {
+  std::vector<Finding> findings;
+  if (table.repeated_in_image > 0) findings.push_back(repeated_found(table.repeated_in_image));
+  if (table.degenerate > 0) findings.push_back(degenerate_found(table.degenerate));
+  return findings;
+}
+
+}  // namespace waymark
