@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 
+#include "core/base/range.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"
 #include "mapbuilder/commands/evaluate_command.h"
@@ -31,40 +32,48 @@ void add_estimation_options(CLI::App& app, BuildOptions& options) {
   app.add_option("--loss", options.loss.loss, "robust loss: huber (default) or none")
       ->transform(CLI::CheckedTransformer(losses));
   app.add_option("--loss-sigmas", options.loss.scale_sigmas, "where Huber turns linear, in sigmas")
-      ->check(CLI::Range(2.0, 50.0))
+      ->check(number_in({2.0, 50.0}))
       ->capture_default_str();
   app.add_option("--gate", options.gate.enabled, "outlier gate: on (default) or off")
       ->transform(CLI::CheckedTransformer(switches));
   app.add_option("--gate-sigmas", options.gate.reject_sigmas, "the gate's threshold, in sigmas")
-      ->check(CLI::Range(3.0, 100.0))
+      ->check(number_in({3.0, 100.0}))
       ->capture_default_str();
   app.add_option("--weight", options.noise.weighting,
                  "what weighs observations: covariance (default), paper (eq. 7) or none")
       ->transform(CLI::CheckedTransformer(weightings));
   ObservationWeightOptions& paper = options.noise.paper;
+  constexpr Range kWeight{0, 1e6};
+  constexpr Range kAboveZero{1e-6, 1e6};
   app.add_option("--lambda-distance", paper.lambda_distance, "eq. 7's lambda 1")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in(kWeight))
       ->capture_default_str();
   app.add_option("--lambda-angle", paper.lambda_angle, "eq. 7's lambda 2")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in(kWeight))
       ->capture_default_str();
   app.add_option("--lambda-ambiguity", paper.lambda_ambiguity, "eq. 7's lambda 3")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in(kWeight))
       ->capture_default_str();
   app.add_option("--epsilon-rad", paper.epsilon_rad, "eq. 7's epsilon, rad")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kAboveZero))
       ->capture_default_str();
   app.add_option("--max-distance-m", paper.max_distance_m, "eq. 7's d_max, m")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kAboveZero))
       ->capture_default_str();
   app.add_option("--max-angle-rad", paper.max_angle_rad, "eq. 7's theta_max, rad")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in(kAboveZero))
       ->capture_default_str();
 }
 
 void add_threads_option(CLI::App& app, int& threads) {
   app.add_option("--threads", threads, "threads; 0 = all processors; never changes the result")
       ->check(CLI::Range(0, 1024));
+}
+
+void add_rules_options(CLI::App& app, FindingRules& rules) {
+  app.add_flag("--strict", rules.strict, "warnings are errors");
+  app.add_flag("--accept-errors", rules.accept_errors,
+               "write the result although errors stand against it");
 }
 
 /// A capture, or videos in its place; shared by build and localize.
@@ -85,6 +94,7 @@ Command add_detect(CLI::App& app, Progress& progress) {
   auto options = std::make_shared<DetectOptions>();
   sub->add_option("CAPTURE", options->capture, "capture folder")->required();
   sub->add_option("-o,--output", options->output, "default: CAPTURE/detections.csv");
+  add_rules_options(*sub, options->rules);
   add_threads_option(*sub, options->threads);
   return [options, &progress] { return run_detect(*options, progress, std::cout, std::cerr); };
 }
@@ -112,6 +122,7 @@ Command add_build(CLI::App& app, Progress& progress) {
          },
          "extrinsics,intrinsics,sizes: what the images may correct")
       ->delimiter(',')
+      ->allow_extra_args(false)  // what follows is the next argument, not another name
       ->check(CLI::IsMember({"extrinsics", "intrinsics", "sizes"}));
   sub->add_option("--refined-rig", options->refined_rig,
                   "where a refined rig is written; default: MAP with .yaml, numbered if several");
@@ -123,16 +134,16 @@ Command add_build(CLI::App& app, Progress& progress) {
   sub->add_option("--level", options->level, "z up by markers on the floor, or on walls")
       ->transform(CLI::CheckedTransformer(levels))
       ->excludes("--frame-of");
-  sub->add_flag("--strict", options->strict, "several sub-maps are an error");
   static const std::map<std::string, BundleSolver> solvers{{"own", BundleSolver::own},
                                                            {"ceres", BundleSolver::ceres}};
   sub->add_option("--solver", options->build.solver,
                   "what adjusts: own (default) or ceres, slower, a second opinion")
       ->transform(CLI::CheckedTransformer(solvers));
+  add_rules_options(*sub, options->rules);
   add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);
   return [options, &progress] {
-    options->input.survey_given = options->survey.has_value();
+    options->input.survey_not_asked = !options->survey;
     return run_build(*options, progress, std::cout, std::cerr);
   };
 }
@@ -147,6 +158,7 @@ Command add_localize(CLI::App& app, Progress& progress) {
   sub->add_option("--quarantine", options->quarantine,
                   "quarantine.json of a vehicle: what it found moved is left out");
   sub->add_flag("--mono", options->mono, "every image a frame of its own");
+  add_rules_options(*sub, options->rules);
   add_input_options(*sub, options->input);
   add_estimation_options(*sub, options->build);
   return [options, &progress] { return run_localize(*options, progress, std::cout, std::cerr); };

@@ -9,6 +9,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/text_field.h"
+#include "core/camera/foreign_calibration.h"
 #include "core/camera/image_sizes.h"
 #include "core/camera/kalibr_camera.h"
 
@@ -106,8 +107,14 @@ Expected<std::vector<YAML::Node>> camera_nodes(const YAML::Node& root, const std
   return nodes;
 }
 
-Expected<LoadedRig> load(const YAML::Node& root, const std::string& name) {
+Expected<LoadedRig> load(const YAML::Node& given, const std::string& name) {
   LoadedRig loaded;
+  const auto foreign = camchain_of_foreign(given, name);
+  if (!foreign) return tl::make_unexpected(foreign.error());
+  if (*foreign) {
+    loaded.notes.push_back(name + ": another program's calibration, read as a rig of one camera");
+  }
+  const YAML::Node root = *foreign ? **foreign : given;
   const auto nodes = camera_nodes(root, name, loaded.notes);
   if (!nodes) return tl::make_unexpected(nodes.error());
   std::vector<KalibrCamera> entries;
@@ -150,7 +157,7 @@ Expected<LoadedRig> parse_camchain(const std::string& text, const std::string& n
                 kMaxCamchainBytes);
   }
   try {
-    return load(YAML::Load(text), name);
+    return load(YAML::Load(without_opencv_directive(text)), name);
   } catch (const YAML::Exception& bad) {
     return fail(ErrorKind::bad_data, "{}: line {}: not valid YAML: {}", name, bad.mark.line + 1,
                 bad.msg);

@@ -66,8 +66,10 @@ class CameraReader {
   }
 
   [[nodiscard]] tl::unexpected<Error> wrong(std::string_view key, const YAML::Node& at,
-                                            std::string_view why) const {
-    return fail(ErrorKind::bad_data, "{}: {}", place(key, at), why);
+                                            std::string_view why,
+                                            std::optional<Cause> cause = std::nullopt) const {
+    return tl::make_unexpected(
+        Error{ErrorKind::bad_data, fmt::format("{}: {}", place(key, at), why), cause});
   }
 
   [[nodiscard]] Status check_keys() const {
@@ -80,6 +82,11 @@ class CameraReader {
       const auto key = item.first.as<std::string>();
       if (!seen.insert(key).second) return wrong(key, item.first, "stands there twice");
       if (kKnown.contains(key)) continue;
+      if (key == "T_imu_cam" || key == "T_ic") {
+        return wrong(key, item.first,
+                     "is the other way round than is read: write its inverse as T_cam_imu",
+                     Cause::format);
+      }
       // A misspelt transform would silently turn a rig into single cameras.
       if (key.starts_with("T_")) {
         return wrong(key, item.first, "unknown transform; known are T_cn_cnm1 and T_cam_imu");
@@ -159,7 +166,44 @@ class CameraReader {
     if (!height) return tl::make_unexpected(height.error());
     p.width_px = *width;
     p.height_px = *height;
+    if (const auto order = check_order(p); !order) return tl::make_unexpected(order.error());
     return p;
+  }
+
+  /// Fails where focal lengths and principal point have clearly changed places.
+  [[nodiscard]] Status check_order(const CameraParameters& p) const {
+    const auto off_centre = [](double at, double size) { return std::abs(at / size - 0.5); };
+    constexpr double kRim = 0.45;  // of the size: nearly at the image's edge, or beyond
+    constexpr double kMiddle = 0.15;
+    const bool at_rim =
+        off_centre(p.pu_px, p.width_px) > kRim || off_centre(p.pv_px, p.height_px) > kRim;
+    const bool focal_is_middle =
+        off_centre(p.fu_px, p.width_px) < kMiddle && off_centre(p.fv_px, p.height_px) < kMiddle;
+    if (!at_rim || !focal_is_middle) return {};
+    return wrong("intrinsics", node_["intrinsics"],
+                 fmt::format("the principal point ({:.6g}, {:.6g}) lies at or beyond the rim of "
+                             "{}×{}: are they written as cx cy fx fy? Write fu fv pu pv",
+                             p.pu_px, p.pv_px, p.width_px, p.height_px),
+                 Cause::intrinsics);
+  }
+
+  /// Distortion coefficients that stand for themselves, or with a fifth, k3, that is zero.
+  [[nodiscard]] Expected<std::vector<double>> read_coefficients(const YAML::Node& at) const {
+    constexpr std::size_t kCount = 4;
+    if (!at.IsDefined() || !at.IsSequence() || at.size() <= kCount) {
+      return read_numbers("distortion_coeffs", at, kCount);
+    }
+    auto all = read_numbers("distortion_coeffs", at, at.size());
+    if (!all) return all;
+    if (std::any_of(all->begin() + kCount, all->end(), [](double c) { return c != 0; })) {
+      return wrong("distortion_coeffs", at,
+                   fmt::format("a list of {} instead of a list of 4 numbers: k1 k2 p1 p2 are read; "
+                               "k3 and beyond (OpenCV's order) are not zero: calibrate with 4",
+                               all->size()),
+                   Cause::format);
+    }
+    all->resize(kCount);
+    return all;
   }
 
   [[nodiscard]] Status read_distortion(CameraParameters& p) const {
@@ -176,7 +220,7 @@ class CameraReader {
     const YAML::Node at = node_["distortion_coeffs"];
     const bool empty = !at.IsDefined() || at.IsNull() || (at.IsSequence() && at.size() == 0);
     if (p.distortion == Distortion::none && empty) return {};
-    const auto coefficients = read_numbers("distortion_coeffs", at, 4);
+    const auto coefficients = read_coefficients(at);
     if (!coefficients) return tl::make_unexpected(coefficients.error());
     std::copy(coefficients->begin(), coefficients->end(), p.coefficients.begin());
     if (p.distortion == Distortion::none && p.coefficients != std::array<double, 4>{}) {
@@ -216,7 +260,9 @@ class CameraReader {
     if (translation.norm() > kMaxBaseline_m) {
       return wrong(
           key, at,
-          fmt::format("translation of {:.3g} m; it must be in metres", translation.norm()));
+          fmt::format("translation of {:.3g} m: it must be in metres; is it in millimetres?",
+                      translation.norm()),
+          Cause::rig_unit);
     }
     into = Rigid3{Eigen::Quaterniond(nearest_rotation(r)).normalized(), translation};
     return {};

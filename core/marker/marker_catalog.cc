@@ -7,6 +7,7 @@
 
 #include "core/base/text_field.h"
 #include "core/base/toml_text.h"
+#include "core/marker/nested_families.h"
 
 namespace waymark {
 namespace {
@@ -57,6 +58,15 @@ class CatalogReader {
       if (std::any_of(entries.begin(), entries.end(), same_family)) {
         return fail(ErrorKind::bad_data, "{}: family \"{}\" has two blocks; join them",
                     toml_place(name_, *block), name_of(entry->family));
+      }
+      const auto nested = std::find_if(entries.begin(), entries.end(), [&](const auto& earlier) {
+        return share_codes(earlier.family, entry->family);
+      });
+      if (nested != entries.end()) {
+        const auto [smaller, larger] = std::minmax(nested->family, entry->family);
+        return fail(Cause::family,
+                    "{}: {} is the beginning of {}: every code would mean two ids; list one",
+                    toml_place(name_, *block), name_of(smaller), name_of(larger));
       }
       entries.push_back(std::move(*entry));
     }

@@ -107,7 +107,7 @@ class SubMapMaker {
     const MarkerInformation information =
         marker_information(problem, estimate_, mapper_.options().threads);
     const std::vector<Matrix6d> covariances = marker_covariances(information);
-    made_.covariances_known = !covariances.empty() || component_.markers.size() < 2;
+    made_.covariances_known = !covariances.empty();
     for (const MarkerIndex m : component_.markers) {
       MapMarker marker = marker_of(m);
       const auto slot = std::lower_bound(information.markers.begin(), information.markers.end(), m);
@@ -131,7 +131,7 @@ class SubMapMaker {
     marker.rejected = residuals.rejected;
     marker.rms_px = residuals.inliers.rms_px();
     marker.verified = residuals.independent >= 2;
-    if (component_.markers.size() > 1) marker.covariance = unknown_covariance();
+    marker.covariance = unknown_covariance();
     return marker;
   }
 

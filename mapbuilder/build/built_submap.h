@@ -26,7 +26,7 @@ struct BuiltSubMap {
   /// See scale_bound.h; empty where a measured length tells the scale.
   IndexedVector<CameraIndex, double> scale_per_edge_px;
   bool converged = false;          ///< with gate, flips and noise at rest
-  bool covariances_known = false;  ///< false: the map holds them as unknown
+  bool covariances_known = false;  ///< false: the map holds them as unknown, as of a marker alone
 };
 
 /// Statistics, covariances and trajectory of a finished estimate's markers that stand in one world,

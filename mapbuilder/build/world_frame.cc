@@ -5,7 +5,7 @@
 #include <map>
 
 #include "core/geometry/alignment.h"
-#include "core/geometry/decompositions.h"
+#include "mapbuilder/build/up_direction.h"
 
 namespace waymark {
 namespace {
@@ -89,22 +89,10 @@ void move_world(BuiltSubMap& submap, const Rigid3& new_from_old) {
 
 std::optional<Rigid3> level_world(const BuiltSubMap& submap, LevelBy by,
                                   const Eigen::Vector3d& camera_up_in_world) {
-  std::vector<Eigen::Vector3d> normals;
-  for (const MapMarker& marker : submap.map.markers) {
-    normals.emplace_back(marker.world_from_marker.rotation * Eigen::Vector3d::UnitZ());
-  }
-  if (normals.size() < 2) return std::nullopt;
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& n : normals) scatter += n * n.transpose();
-  const SymmetricEigen<3> eigen = symmetric_eigen<3>(scatter);
-  // By the floor most normals are one line, up; by walls none has a share of up.
-  Eigen::Vector3d up = by == LevelBy::floor ? eigen.vectors.col(2) : eigen.vectors.col(0);
-  constexpr double kTells = 0.02;  // of all normals' squares: 8° of spread
-  if (by == LevelBy::walls && eigen.values[1] < kTells * eigen.values.sum()) {
-    return std::nullopt;
-  }
-  if (up.dot(camera_up_in_world) < 0) up = -up;
-  return Rigid3{shortest_rotation(up, Eigen::Vector3d::UnitZ()), {0, 0, 0}};
+  const auto up = by == LevelBy::floor ? up_by_floor(submap.map, camera_up_in_world)
+                                       : up_by_walls(submap.map, camera_up_in_world);
+  if (!up) return std::nullopt;
+  return Rigid3{shortest_rotation(*up, Eigen::Vector3d::UnitZ()), {0, 0, 0}};
 }
 
 std::optional<FrameComparison> compare_frames(const SubMap& map, const SubMap& old,

@@ -23,9 +23,8 @@ enum class LevelBy {
   walls,  ///< markers that hang on walls: their normals are level
 };
 
-/// The rotation new_from_old about the origin that makes z point up, its sign by the cameras: they
-/// stand upright on the whole. nullopt when the normals don't tell: fewer than 2 markers, or, by
-/// walls, all facing along one line.
+/// The rotation new_from_old about the origin that makes z point up; nullopt where the markers and
+/// the cameras don't tell (up_direction.h).
 [[nodiscard]] std::optional<Rigid3> level_world(const BuiltSubMap& submap, LevelBy by,
                                                 const Eigen::Vector3d& camera_up_in_world);
 

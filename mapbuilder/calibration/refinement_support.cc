@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/told_apart.h"
 #include "core/geometry/decompositions.h"
 
 namespace waymark {
@@ -67,9 +68,9 @@ std::string text_of(Eigen::Index row, double in_limits,
   const Eigen::Index size = of_extrinsics ? kExtrinsics : kIntrinsics;
   const std::string& name = cameras[CameraIndex(static_cast<std::size_t>(within / size))].name;
   const auto text = [&](const char* what, double allowed, const char* unit) {
-    return fmt::format(
-        "{}'s {} with what moves along: known to ± {:.2g} {} only, {:.2g} is asked for", name, what,
-        in_limits * allowed, unit, allowed);
+    const auto [known, asked] = told_apart(in_limits * allowed, allowed);
+    return fmt::format("{}'s {} with what moves along: known to ± {} {} only, {} is asked for",
+                       name, what, known, unit, asked);
   };
   if (of_extrinsics) {
     return within % size < 3 ? text("position", 1e3 * limits.position_m, "mm")
@@ -152,10 +153,11 @@ std::vector<std::string> reasons_against(const VariableCalibration& asked,
   const auto too_loose = [&](double sigma) { return !(sigma <= limits.size); };
   const auto loose = std::find_if(sure.size_factor.begin(), sure.size_factor.end(), too_loose);
   if (asked.sizes && loose != sure.size_factor.end()) {
-    reasons.push_back(fmt::format(
-        "sizes: known to ± {:.2g} % only, {:.2g} % is asked for: nothing but the stated "
-        "sizes tells the scale; measure a distance (survey.toml)",
-        100 * *loose, 100 * limits.size));
+    const auto [known, asked_for] = told_apart(100 * *loose, 100 * limits.size);
+    reasons.push_back(
+        fmt::format("sizes: known to ± {} % only, {} % is asked for: nothing but the stated sizes "
+                    "tells the scale; measure a distance (survey.toml)",
+                    known, asked_for));
   }
   return reasons;
 }

@@ -2,14 +2,18 @@
 
 #include <fmt/ostream.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "core/base/atomic_file.h"
+#include "core/base/same_file.h"
 #include "core/camera/kalibr.h"
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/build/trajectory_file.h"
+#include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
 #include "mapbuilder/diagnosis/diagnosed_build.h"
@@ -20,6 +24,8 @@
 
 namespace waymark {
 namespace {
+
+namespace fs = std::filesystem;
 
 void print_summary(const BuildResult& result, std::ostream& out) {
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
@@ -65,46 +71,73 @@ std::vector<ReportSurveyEntry> survey_of(const BuildResult& result) {
   return entries;
 }
 
-/// The family that a bare number means; nullopt where several meet.
-std::optional<Family> only_family_of(const Observations& observations) {
-  if (observations.several_families() || observations.markers.empty()) return std::nullopt;
-  return observations.markers.front().family;
+/// The family that a bare number in a survey means: the only one that markers.toml states, be it
+/// seen or not; nullopt where several meet.
+std::optional<Family> only_stated_family(const std::vector<DetectedCapture>& captures) {
+  std::set<Family> families;
+  for (const DetectedCapture& capture : captures) {
+    for (const auto& entry : capture.catalog.entries()) families.insert(entry.family);
+  }
+  if (families.size() != 1) return std::nullopt;
+  return *families.begin();
 }
 
 /// Where the first refined rig goes: as asked for, else MAP's name with .yaml; nullopt when none is
 /// refined.
-std::optional<std::filesystem::path> refined_rig_path(const BuildCommandOptions& options) {
+std::optional<fs::path> refined_rig_path(const BuildCommandOptions& options) {
   if (!options.build.refine.extrinsics && !options.build.refine.intrinsics) return std::nullopt;
-  return options.refined_rig.value_or(
-      std::filesystem::path(options.output).replace_extension(".yaml"));
+  return options.refined_rig.value_or(fs::path(options.output).replace_extension(".yaml"));
 }
 
-/// Fails when the refined rig could not be written, or would take the place of another file of this
-/// build: the user's calibration above all.
-Status check_refined_rig_path(const BuildCommandOptions& options) {
-  const auto path = refined_rig_path(options);
-  if (!path) return {};
-  if (auto writable = check_writable(*path); !writable) return writable;
-  std::vector<std::filesystem::path> taken{options.output};
-  if (options.trajectory) taken.push_back(*options.trajectory);
-  if (options.input.rig_yaml) taken.push_back(*options.input.rig_yaml);
-  for (const auto& capture : options.input.paths) taken.push_back(capture / "rig.yaml");
-  const auto place = [](const auto& file) { return std::filesystem::weakly_canonical(file); };
-  for (const auto& file : taken) {
-    if (place(file) != place(*path)) continue;
-    return fail(ErrorKind::usage,
-                "{}: the refined rig would take its place; name another with --refined-rig",
-                path->string());
+/// What the build reads and must not replace; an earlier map alone may be (--frame-of hall.map -o
+/// hall.map).
+std::vector<fs::path> inputs_of(const BuildCommandOptions& options) {
+  std::vector<fs::path> inputs;
+  for (const auto& path : options.input.paths) {
+    inputs.push_back(path);
+    for (const char* file : {"rig.yaml", "markers.toml", "detections.csv", "capture.toml",
+                             "frames.csv", "survey.toml"}) {
+      inputs.push_back(path / file);
+    }
   }
+  for (const auto& file :
+       {options.input.rig_yaml, options.input.markers_toml, options.survey, options.quarantine}) {
+    if (file) inputs.push_back(*file);
+  }
+  return inputs;
+}
+
+/// Says before the long work what could not be written after it.
+Status check_outputs(const BuildCommandOptions& options) {
+  const std::vector<fs::path> inputs = inputs_of(options);
+  std::vector<fs::path> outputs{options.output};
+  if (options.trajectory) outputs.push_back(*options.trajectory);
+  const auto refined_rig = refined_rig_path(options);
+  if (refined_rig) outputs.push_back(*refined_rig);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    if (auto writable = check_writable(outputs[i]); !writable) return writable;
+    const char* remedy = refined_rig && outputs[i] == *refined_rig
+                             ? "name another file for the refined rig with --refined-rig"
+                             : "name another file";
+    if (auto spares = check_spares(outputs[i], inputs, remedy); !spares) return spares;
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!is_same_file(outputs[i], outputs[j])) continue;
+      return fail(ErrorKind::usage,
+                  "{}: would be two of map, trajectory and refined rig (--refined-rig); name a "
+                  "file for each",
+                  outputs[i].string());
+    }
+  }
+  if (options.report) return check_report_folder(*options.report);
   return {};
 }
 
 /// The refined rigs as camchains, numbered from the second on.
-Status write_refined_rigs(const std::filesystem::path& first, const Calibration& calibration,
+Status write_refined_rigs(const fs::path& first, const Calibration& calibration,
                           std::ostream& out) {
   for (const RigIndex rig : calibration.rigs.indices()) {
     const std::size_t i = rig.value();
-    const std::filesystem::path path = i == 0 ? first : path_beside(first, std::to_string(i));
+    const fs::path path = i == 0 ? first : path_beside(first, std::to_string(i));
     if (auto written = write_file_atomically(path, format_camchain(calibration.rigs[rig]));
         !written) {
       return written;
@@ -120,9 +153,9 @@ std::vector<CaptureTruth> read_truths(const std::vector<DetectedCapture>& captur
                                       std::ostream& notes) {
   std::vector<CaptureTruth> truths;
   for (const DetectedCapture& capture : captures) {
-    const auto folder = std::filesystem::path(capture.name) / "groundtruth";
+    const auto folder = fs::path(capture.name) / "groundtruth";
     std::error_code ignored;
-    if (!std::filesystem::is_directory(folder, ignored)) continue;
+    if (!fs::is_directory(folder, ignored)) continue;
     auto truth = read_ground_truth(folder, capture.catalog.only_family());
     if (!truth) {
       fmt::print(notes, "note: {}; the report shows no truth\n", truth.error().message);
@@ -133,173 +166,229 @@ std::vector<CaptureTruth> read_truths(const std::vector<DetectedCapture>& captur
   return truths;
 }
 
+/// What a build takes into account beside its captures.
+struct References {
+  std::optional<MarkerMap> earlier;
+  std::optional<Quarantine> quarantine;
+  Survey survey;
+};
+
+Expected<References> read_references(const BuildCommandOptions& options,
+                                     std::optional<Family> default_family) {
+  References references;
+  if (options.frame_of) {
+    auto map = read_map_file(*options.frame_of);
+    if (!map) return tl::make_unexpected(map.error());
+    references.earlier = *std::move(map);
+  }
+  if (options.quarantine) {
+    auto read = references.earlier ? read_quarantine_of(*options.quarantine, *references.earlier,
+                                                        *options.frame_of)
+                                   : read_quarantine(*options.quarantine);
+    if (!read) return tl::make_unexpected(read.error());
+    references.quarantine = *std::move(read);
+  }
+  if (options.survey) {
+    auto survey = read_survey(*options.survey, default_family);
+    if (!survey) return tl::make_unexpected(survey.error());
+    references.survey = *std::move(survey);
+  }
+  const auto fixes_a_frame = [](const SurveyedPoint& point) { return point.use == SurveyUse::fit; };
+  if (options.frame_of && std::any_of(references.survey.points.begin(),
+                                      references.survey.points.end(), fixes_a_frame)) {
+    return fail(ErrorKind::usage,
+                "{}: its points and --frame-of {} each name a world; leave one out, or give the "
+                "points use = \"check\"",
+                options.survey->string(), options.frame_of->string());
+  }
+  return references;
+}
+
 /// Lays the result into the world of an earlier map, its first sub-map into the first that fits,
-/// by markers that are not in quarantine; nullopt when none fits.
+/// by markers that are not in quarantine; nullopt when none fits. The scale stays the build's own.
 std::optional<FrameComparison> take_frame_of(const MarkerMap& earlier,
                                              const std::optional<Quarantine>& quarantine,
                                              BuildResult& result) {
   const std::set<MarkerId> suspects =
       quarantine ? moved_markers(*quarantine) : std::set<MarkerId>{};
+  BuiltSubMap& first = result.submaps.front();
   for (const SubMap& old : earlier.submaps) {
-    const auto comparison = compare_frames(result.submaps.front().map, old, suspects);
+    const auto comparison = compare_frames(first.map, old, suspects);
     if (!comparison) continue;
-    move_world(result.submaps.front(), comparison->old_from_new);
-    result.submaps.front().map.frame = old.frame;
-    result.submaps.front().map.z_is_up = old.z_is_up;
-    result.map.submaps.front() = result.submaps.front().map;
+    move_world(first, comparison->old_from_new);
+    // Only a scale that was measured now makes the old facility's frame one of this map.
+    if (first.map.frame == FrameKind::scaled && old.frame == FrameKind::facility) {
+      first.map.frame = FrameKind::facility;
+    }
+    first.map.z_is_up = old.z_is_up;
+    result.map.submaps.front() = first.map;
     return comparison;
   }
   return std::nullopt;
 }
 
+void append(std::vector<Finding> more, std::vector<Finding>& findings) {
+  for (Finding& finding : more) findings.push_back(std::move(finding));
+}
+
 /// What an earlier map and a vehicle's quarantine lead to: the world kept, and findings.
-std::vector<Finding> take_over(const std::optional<MarkerMap>& earlier,
-                               const std::optional<Quarantine>& quarantine, BuildResult& result) {
+std::vector<Finding> take_over(const References& references, const BuildCommandOptions& options,
+                               bool with_family, BuildResult& result) {
   std::vector<Finding> findings;
   std::optional<FrameComparison> comparison;
-  if (earlier) {
-    comparison = take_frame_of(*earlier, quarantine, result);
-    findings = comparison ? frame_findings(*comparison) : std::vector{frame_not_found()};
+  if (references.earlier) {
+    comparison = take_frame_of(*references.earlier, references.quarantine, result);
+    append(comparison ? frame_findings(*comparison, with_family)
+                      : std::vector{frame_not_found(*options.frame_of)},
+           findings);
   }
-  if (quarantine) {
-    for (Finding& finding :
-         quarantine_findings(*quarantine, result, comparison ? &*comparison : nullptr)) {
-      findings.push_back(std::move(finding));
-    }
+  if (references.quarantine) {
+    append(quarantine_findings(*references.quarantine, result, comparison ? &*comparison : nullptr,
+                               with_family),
+           findings);
   }
   return findings;
 }
 
-/// Turns every sub-map so that z points up, but for those in the survey's frame, whose z is up.
-/// Error: bad_data where the markers don't tell.
-Status level_maps(LevelBy by, const Observations& observations, BuildResult& result) {
+/// Turns every sub-map so that z points up, but for those in the survey's frame, whose z is up, and
+/// those whose markers don't tell: these are found, and stay as they are.
+std::vector<Finding> level_submaps(LevelBy by, const Observations& observations,
+                                   BuildResult& result) {
+  std::vector<Finding> findings;
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     BuiltSubMap& submap = result.submaps[i];
     if (submap.map.z_is_up) continue;
     const auto level = level_world(
         submap, by, camera_up_in_world(submap, observations, result.estimate.calibration));
-    if (!level) {
-      return fail(ErrorKind::bad_data,
-                  "--level: sub-map {}: its {} markers don't tell where up is: by walls it takes "
-                  "walls that face different ways, by floor at least 2 markers; nothing written",
-                  i, submap.map.markers.size());
+    if (level) {
+      move_world(submap, *level);
+      submap.map.z_is_up = true;
+      result.map.submaps[i] = submap.map;
+    } else {
+      findings.push_back(not_levelled(i, submap.map.markers.size(), by));
     }
-    move_world(submap, *level);
-    submap.map.z_is_up = true;
-    result.map.submaps[i] = submap.map;
+  }
+  return findings;
+}
+
+/// All that a build found, but for its input.
+std::vector<Finding> findings_of(const BuildCommandOptions& options, const BuildOptions& build,
+                                 const References& references, const Observations& observations,
+                                 DiagnosedBuild& diagnosed) {
+  BuildResult& result = diagnosed.result;
+  std::vector<Finding> findings = calibration_findings(result, observations, build);
+  append(std::move(diagnosed.findings), findings);
+  append(take_over(references, options, observations.several_families(), result), findings);
+  if (options.level) append(level_submaps(*options.level, observations, result), findings);
+  append(build_findings(result, observations), findings);
+  return findings;
+}
+
+/// Map, refined rig and trajectories, each in its place.
+Status write_results(const BuildCommandOptions& options, const BuildResult& result,
+                     const Observations& observations, std::ostream& out) {
+  if (auto written = write_map_file(options.output, result.map); !written) return written;
+  if (const auto path = refined_rig_path(options); path && result.calibration.refined) {
+    if (auto written = write_refined_rigs(*path, result.estimate.calibration, out); !written)
+      return written;
+  }
+  if (!options.trajectory) return {};
+  for (std::size_t i = 0; i < result.submaps.size(); ++i) {
+    auto written =
+        write_trajectory(*options.trajectory, i, observations, result.submaps[i].trajectory);
+    if (!written) return written;
   }
   return {};
+}
+
+Expected<ReportFolder> write_report(const BuildCommandOptions& options, const BuildResult& result,
+                                    const Observations& observations,
+                                    const std::vector<CaptureTruth>& truths,
+                                    const std::vector<Finding>& findings) {
+  Report report = report_of_build(result, observations, truths);
+  report.findings = findings;
+  report.survey = survey_of(result);
+  report.map_name = options.output.filename().string();
+  return ReportFolder::write(*options.report, report);
+}
+
+/// Where a map goes that must not be used.
+fs::path rejected_path(const fs::path& map) {
+  fs::path rejected = map;
+  rejected += ".rejected";
+  return rejected;
 }
 
 }  // namespace
 
 Status run_build(const BuildCommandOptions& options, Progress& progress, std::ostream& out,
                  std::ostream& notes) {
-  if (auto writable = check_writable(options.output); !writable) return writable;
-  if (options.report) {
-    if (auto allowed = check_report_folder(*options.report); !allowed) return allowed;
-  }
-  if (options.trajectory) {
-    if (auto writable = check_writable(*options.trajectory); !writable) return writable;
-    if (std::filesystem::weakly_canonical(*options.trajectory) ==
-        std::filesystem::weakly_canonical(options.output)) {
-      return fail(ErrorKind::usage, "{}: named for both the map and the trajectory; name two files",
-                  options.output.string());
-    }
-  }
-  if (auto allowed = check_refined_rig_path(options); !allowed) return allowed;
+  if (auto allowed = check_outputs(options); !allowed) return allowed;
   if (auto fine = check(options.build); !fine) return fine;
-  auto captures = take_captures_in(options.input, progress, notes);
-  if (!captures) return tl::make_unexpected(captures.error());
-  const auto truths = options.report ? read_truths(*captures, notes) : std::vector<CaptureTruth>{};
-  const auto made = make_observations(*captures, {options.mono, options.input.detect.threads});
+  auto taken = take_captures_in(options.input, progress, notes);
+  if (!taken) return tl::make_unexpected(taken.error());
+  const auto references = read_references(options, only_stated_family(taken->captures));
+  if (!references) return tl::make_unexpected(references.error());
+  const auto truths =
+      options.report ? read_truths(taken->captures, notes) : std::vector<CaptureTruth>{};
+  const auto made =
+      make_observations(taken->captures, {options.mono, options.input.detect.threads});
   if (!made) return tl::make_unexpected(made.error());
   const Observations& observations = *made;
+  std::vector<Finding> findings = std::move(taken->findings);
+  append(baseline_findings(observations), findings);
+  findings = judged(std::move(findings), options.rules);
+  if (!may_stand(findings, options.rules)) {
+    print_findings(findings, notes);
+    return tl::make_unexpected(
+        refusal_of(options.output.string(), findings, "nothing was built of such input"));
+  }
 
   BuildOptions build = options.build;
-  std::optional<MarkerMap> earlier;
-  if (options.frame_of) {
-    auto map = read_map_file(*options.frame_of);
-    if (!map) return tl::make_unexpected(map.error());
-    earlier = *std::move(map);
-  }
-  std::optional<Quarantine> quarantine;
-  if (options.quarantine) {
-    auto read = earlier ? read_quarantine_of(*options.quarantine, *earlier, *options.frame_of)
-                        : read_quarantine(*options.quarantine);
-    if (!read) return tl::make_unexpected(read.error());
-    quarantine = *std::move(read);
-  }
-  if (options.survey) {
-    auto survey = read_survey(*options.survey, only_family_of(observations));
-    if (!survey) return tl::make_unexpected(survey.error());
-    build.survey = *std::move(survey);
-  }
+  build.survey = references->survey;
   build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
   DiagnosedBuild diagnosed = build_and_diagnose(observations, build, {}, progress);
   BuildResult& result = diagnosed.result;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   if (result.submaps.empty()) {
+    print_findings(findings, notes);
     return fail(ErrorKind::bad_data,
                 "{}: no marker could be mapped: {} frame sets hold {} usable observations; check "
                 "the family and the ids in markers.toml",
                 options.input.paths.front().string(), observations.frame_sets.size(),
                 observations.usable);
   }
-  std::vector<Finding> findings = calibration_findings(result, observations, build);
-  for (Finding& finding : diagnosed.findings) findings.push_back(std::move(finding));
-  for (Finding& finding : take_over(earlier, quarantine, result)) {
-    findings.push_back(std::move(finding));
-  }
-  if (options.level) {
-    if (auto levelled = level_maps(*options.level, observations, result); !levelled)
-      return levelled;
-  }
-  for (Finding& finding : build_findings(result, observations))
-    findings.push_back(std::move(finding));
-  for (const Finding& finding : findings) {
-    fmt::print(notes, "{}\n", one_line(finding, observations.several_families()));
-  }
-  if (options.strict && result.submaps.size() > 1) {
-    return fail(ErrorKind::bad_data, "{}: {} sub-maps, and --strict asks for one; nothing written",
-                options.output.string(), result.submaps.size());
-  }
-  std::optional<ReportFolder> report_folder;
+  append(findings_of(options, build, *references, observations, diagnosed), findings);
+  findings = judged(std::move(findings), options.rules);
+  print_findings(findings, notes);
+
+  std::optional<ReportFolder> report;
   if (options.report) {
-    Report report = report_of_build(result, observations, truths);
-    report.findings = findings;
-    report.survey = survey_of(result);
-    report.map_name = options.output.filename().string();
-    auto written = ReportFolder::write(*options.report, report);
+    auto written = write_report(options, result, observations, truths, findings);
     if (!written) return tl::make_unexpected(written.error());
-    report_folder.emplace(std::move(*written));
+    report.emplace(std::move(*written));
   }
-  if (auto written = write_map_file(options.output, result.map); !written) return written;
-  if (const auto path = refined_rig_path(options); path && result.calibration.refined) {
-    if (auto written = write_refined_rigs(*path, result.estimate.calibration, out); !written)
-      return written;
+  const bool stands = may_stand(findings, options.rules);
+  const fs::path rejected = rejected_path(options.output);
+  if (auto written = stands ? write_results(options, result, observations, out)
+                            : write_map_file(rejected, result.map);
+      !written) {
+    return written;
   }
-  if (options.trajectory) {
-    for (std::size_t i = 0; i < result.submaps.size(); ++i) {
-      if (auto written =
-              write_trajectory(*options.trajectory, i, observations, result.submaps[i].trajectory);
-          !written) {
-        return written;
-      }
-    }
-  }
-  if (report_folder) {
-    if (auto placed = report_folder->put_in_place(); !placed) return placed;
+  if (report) {
+    if (auto placed = report->put_in_place(); !placed) return placed;
   }
   print_summary(result, out);
   print_survey(result, out);
-  fmt::print(out, "{}: map {}, built in {:.2f} s\n", options.output.string(),
+  fmt::print(out, "{}: map {}, built in {:.2f} s\n", (stands ? options.output : rejected).string(),
              content_hash(result.map), elapsed.count());
   if (options.report) {
     fmt::print(out, "{}: report\n", (*options.report / "index.html").string());
   }
-  return {};
+  if (stands) return {};
+  return tl::make_unexpected(refusal_of(options.output.string(), findings,
+                                        fmt::format("the map went to {}", rejected.string())));
 }
 
 }  // namespace waymark

@@ -10,12 +10,14 @@
 #include "mapbuilder/build/map_builder.h"
 #include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/commands/captures_in.h"
+#include "mapbuilder/commands/told_findings.h"
 
 namespace waymark {
 
 /// `mapbuilder build CAPTURE... -o MAP [--trajectory RIG.tum] [--report DIR] [--mono] [--threads N]
 /// [--survey FILE] [--refine extrinsics,intrinsics,sizes] [--refined-rig FILE]
 /// [--frame-of MAP] [--quarantine FILE] [--level floor|walls] [--strict]
+/// [--accept-errors]
 /// [--redetect] [--loss huber|none] [--gate on|off] [--weight covariance|paper|none]`, or with
 /// `VIDEO... --rig FILE --markers FILE [--every N] [--sync]` in the captures' place
 struct BuildCommandOptions {
@@ -29,14 +31,15 @@ struct BuildCommandOptions {
   std::optional<std::filesystem::path> quarantine;   ///< a vehicle's quarantine.json
   std::optional<LevelBy> level;                      ///< what makes z point up
   bool mono = false;
-  bool strict = false;  ///< several sub-maps are an error and nothing is written
+  FindingRules rules;
   BuildOptions build;
 };
 
-/// Builds a map from captures and writes it; a summary goes to `out`, warnings to `notes`. Errors:
-/// bad input (see detect_capture, make_observations), bad_data when not one marker could be
-/// mapped or, with `strict`, when the capture falls into parts; write errors. Nothing is written
-/// unless everything could be computed.
+/// Builds a map from captures and writes it; a summary goes to `out`, findings and notes to
+/// `notes`. Errors: bad input (see detect_capture, make_observations); bad_data when not one
+/// marker could be mapped, and where an error stands against the map: it then goes to MAP.rejected,
+/// the report is written, and what stood in MAP's, the trajectory's and the refined rig's places
+/// stays; write errors. Nothing is written unless everything could be computed.
 [[nodiscard]] Status run_build(const BuildCommandOptions& options, Progress& progress,
                                std::ostream& out, std::ostream& notes);
 

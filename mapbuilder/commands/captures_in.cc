@@ -1,10 +1,10 @@
 #include "mapbuilder/commands/captures_in.h"
 
 #include <fmt/ostream.h>
-#include <unistd.h>
 
 #include <algorithm>
 
+#include "mapbuilder/diagnosis/input_findings.h"
 #include "mapbuilder/import/open_capture.h"
 
 namespace waymark {
@@ -33,8 +33,8 @@ void print_report(const std::string& name, const DetectionReport& report, std::o
              report.detections, report.from_csv ? " (from detections.csv)" : "");
 }
 
-Expected<std::vector<DetectedCapture>> take_videos_in(const CaptureInput& input, Progress& progress,
-                                                      std::ostream& notes) {
+Expected<TakenCaptures> take_videos_in(const CaptureInput& input, Progress& progress,
+                                       std::ostream& notes) {
   if (!input.rig_yaml || !input.markers_toml) {
     return fail(ErrorKind::usage,
                 "{}: a video needs both --rig and --markers; a capture is a folder",
@@ -45,15 +45,18 @@ Expected<std::vector<DetectedCapture>> take_videos_in(const CaptureInput& input,
                                 input.detect.threads, progress, report);
   if (!detected) return tl::make_unexpected(detected.error());
   print_report(detected->name, report, notes);
-  std::vector<DetectedCapture> captures;
-  captures.push_back(std::move(*detected));
-  return captures;
+  TakenCaptures taken;
+  std::vector<CameraLook> looks;  // at no image: none is kept of a video
+  for (const RigCamera& camera : detected->rig.cameras) looks.emplace_back().camera = camera.name;
+  taken.findings = input_findings(*detected, looks);
+  taken.captures.push_back(std::move(*detected));
+  return taken;
 }
 
 }  // namespace
 
-Expected<std::vector<DetectedCapture>> take_captures_in(const CaptureInput& input,
-                                                        Progress& progress, std::ostream& notes) {
+Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& progress,
+                                         std::ostream& notes) {
   if (input.rig_yaml || input.markers_toml ||
       std::any_of(input.paths.begin(), input.paths.end(), is_file)) {
     return take_videos_in(input, progress, notes);
@@ -64,52 +67,25 @@ Expected<std::vector<DetectedCapture>> take_captures_in(const CaptureInput& inpu
     auto folder = open_capture(path);
     if (!folder) return tl::make_unexpected(folder.error());
     print_notes(folder->notes, notes);
-    if (folder->survey_toml && !input.survey_given) {
+    if (folder->survey_toml && input.survey_not_asked) {
       fmt::print(notes, "note: {0}: used only when asked for: --survey {0}\n",
                  folder->survey_toml->string());
     }
     folders.push_back(std::move(*folder));
   }
-  std::vector<DetectedCapture> captures;
+  TakenCaptures taken;
   for (const CaptureFolder& folder : folders) {
     DetectionReport report;
     auto detected = detect_capture(folder, input.detect, progress, report);
     if (!detected) return tl::make_unexpected(detected.error());
     print_report(folder.path.string(), report, notes);
-    captures.push_back(std::move(*detected));
+    const auto looks = look_at_images(folder, *detected, input.detect.threads, progress);
+    for (Finding& finding : input_findings(*detected, looks)) {
+      taken.findings.push_back(std::move(finding));
+    }
+    taken.captures.push_back(std::move(*detected));
   }
-  return captures;
-}
-
-Status check_writable(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) {
-    return fail(ErrorKind::cant_create, "{}: can't write: it is a folder; name a file",
-                path.string());
-  }
-  const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  if (!std::filesystem::is_directory(folder, ignored)) {
-    return fail(ErrorKind::cant_create, "{}: can't write: the folder {} does not exist; create it",
-                path.string(), folder.string());
-  }
-  if (::access(folder.c_str(), W_OK) != 0) {
-    return fail(ErrorKind::permission, "{}: can't write: no permission in the folder {}",
-                path.string(), folder.string());
-  }
-  return {};
-}
-
-void print_observation_notes(const Observations& observations, std::ostream& notes) {
-  if (observations.repeated_in_image > 0) {
-    fmt::print(notes,
-               "warning: {} detections left out, their id was found twice in one image; is a "
-               "marker printed twice?\n",
-               observations.repeated_in_image);
-  }
-  if (observations.degenerate > 0) {
-    fmt::print(notes, "note: {} detections left out, their corners are no view of a square\n",
-               observations.degenerate);
-  }
+  return taken;
 }
 
 }  // namespace waymark

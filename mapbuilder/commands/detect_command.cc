@@ -5,6 +5,7 @@
 #include "core/base/atomic_file.h"
 #include "core/capture/detections_csv.h"
 #include "mapbuilder/commands/captures_in.h"
+#include "mapbuilder/commands/output_check.h"
 
 namespace waymark {
 
@@ -13,13 +14,26 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   const auto output = options.output.value_or(options.capture / "detections.csv");
   if (std::error_code ignored; std::filesystem::exists(options.capture, ignored)) {
     if (auto writable = check_writable(output); !writable) return writable;
+    std::vector<std::filesystem::path> inputs;
+    for (const char* file : {"rig.yaml", "markers.toml", "capture.toml", "frames.csv"}) {
+      inputs.push_back(options.capture / file);
+    }
+    if (auto spares = check_spares(output, inputs); !spares) return spares;
   }
   DetectCaptureOptions detect;
   detect.redetect = true;
   detect.threads = options.threads;
-  const auto captures = take_captures_in({{options.capture}, {}, {}, {}, detect}, progress, notes);
-  if (!captures) return tl::make_unexpected(captures.error());
-  const DetectedCapture& capture = captures->front();
+  CaptureInput input;
+  input.paths = {options.capture};
+  input.detect = detect;
+  auto taken = take_captures_in(input, progress, notes);
+  if (!taken) return tl::make_unexpected(taken.error());
+  const auto findings = judged(std::move(taken->findings), options.rules);
+  print_findings(findings, notes);
+  if (!may_stand(findings, options.rules)) {
+    return tl::make_unexpected(refusal_of(output.string(), findings, "nothing was written"));
+  }
+  const DetectedCapture& capture = taken->captures.front();
   const std::string text =
       format_detections_csv(capture.images, capture.rig, capture.catalog, detector_name());
   if (auto written = write_file_atomically(output, text); !written) return written;

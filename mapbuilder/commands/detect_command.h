@@ -6,6 +6,7 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "mapbuilder/commands/told_findings.h"
 
 namespace waymark {
 
@@ -14,11 +15,12 @@ struct DetectOptions {
   std::filesystem::path capture;
   std::optional<std::filesystem::path> output;  ///< default: detections.csv in the capture
   int threads = 0;
+  FindingRules rules;
 };
 
 /// Detects the markers in a capture's images, even where a detections.csv lies beside them, and
 /// writes them as CSV. Errors of detect_capture and write_file_atomically; usage when the capture
-/// has no images.
+/// has no images; bad_data, and nothing is written, where an error stands against them.
 [[nodiscard]] Status run_detect(const DetectOptions& options, Progress& progress, std::ostream& out,
                                 std::ostream& notes);
 

@@ -7,6 +7,7 @@
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
 #include "mapbuilder/build/output_paths.h"
+#include "mapbuilder/commands/output_check.h"
 
 namespace waymark {
 namespace {
@@ -31,6 +32,11 @@ Status run_export(const ExportOptions& options, std::ostream& notes) {
   }
   const auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
+  const std::size_t files = format ? map->submaps.size() : 1;
+  for (std::size_t i = 0; i < files; ++i) {
+    auto spares = check_spares(path_of_submap(options.output, i), {options.map});
+    if (!spares) return spares;
+  }
   if (!format) return write_file_atomically(options.output, format_map_json(*map));
   for (std::size_t i = 0; i < map->submaps.size(); ++i) {
     const std::filesystem::path path = path_of_submap(options.output, i);

@@ -17,7 +17,8 @@ struct ExportOptions {
 
 /// Writes a map in another form. JSON holds all sub-maps in one file; of the other forms the first
 /// sub-map goes to the named file, the others to `stem.1.tum`…, which `notes` (stderr) says.
-/// Errors: usage (an unknown format), those of read_map_file and write_file_atomically.
+/// Errors: usage (an unknown format; an output that would replace the map), those of read_map_file
+/// and write_file_atomically.
 [[nodiscard]] Status run_export(const ExportOptions& options, std::ostream& notes);
 
 }  // namespace waymark

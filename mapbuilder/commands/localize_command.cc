@@ -8,6 +8,8 @@
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/trajectory_file.h"
+#include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/diagnosis/observation_findings.h"
 #include "mapbuilder/growth/relocalization.h"
 
 namespace waymark {
@@ -37,6 +39,7 @@ void leave_out(const Quarantine& quarantine, MarkerMap& map, std::ostream& notes
 Status run_localize(const LocalizeOptions& options, Progress& progress, std::ostream& out,
                     std::ostream& notes) {
   if (auto writable = check_writable(options.trajectory); !writable) return writable;
+  if (auto spares = check_spares(options.trajectory, {options.map}); !spares) return spares;
   if (auto fine = check(options.build); !fine) return fine;
   auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
@@ -45,10 +48,19 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
     if (!quarantine) return tl::make_unexpected(quarantine.error());
     leave_out(*quarantine, *map, notes);
   }
-  auto captures = take_captures_in(options.input, progress, notes);
-  if (!captures) return tl::make_unexpected(captures.error());
-  const auto made = make_observations(*captures, {options.mono, options.input.detect.threads});
+  auto taken = take_captures_in(options.input, progress, notes);
+  if (!taken) return tl::make_unexpected(taken.error());
+  const auto made =
+      make_observations(taken->captures, {options.mono, options.input.detect.threads});
   if (!made) return tl::make_unexpected(made.error());
+  std::vector<Finding> findings = std::move(taken->findings);
+  for (Finding& finding : observation_findings(*made)) findings.push_back(std::move(finding));
+  findings = judged(std::move(findings), options.rules);
+  print_findings(findings, notes);
+  if (!may_stand(findings, options.rules)) {
+    return tl::make_unexpected(
+        refusal_of(options.trajectory.string(), findings, "nothing was written"));
+  }
 
   BuildOptions build = options.build;
   build.threads = options.input.detect.threads;
@@ -60,7 +72,6 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
                 "{}: none of its {} observations is of a marker in {}; is it the right map?",
                 options.input.paths.front().string(), made->usable, options.map.string());
   }
-  print_observation_notes(*made, notes);
   for (std::size_t i = 0; i < results.size(); ++i) {
     const RelocalizedSubMap& result = results[i];
     if (auto written = write_trajectory(options.trajectory, i, *made, result.trajectory);

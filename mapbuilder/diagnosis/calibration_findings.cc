@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "core/geometry/symmetric_factor.h"
 #include "mapbuilder/bundle/constant_direction.h"
@@ -18,9 +20,10 @@ constexpr double kDegreesPerRadian = 57.29577951308232;
 
 Finding refusal(const CalibrationResult& calibration) {
   Finding finding;
-  finding.kind = FindingKind::refinement_refused;
-  finding.title = "The refinement was refused; the map stands as without it";
-  finding.evidence = fmt::format("{}.", fmt::join(calibration.refused, "; "));
+  finding.cause = Cause::few_views;
+  finding.subject = "--refine";
+  finding.text = fmt::format("The refinement was refused; the map stands as without it: {}.",
+                             fmt::join(calibration.refused, "; "));
   finding.remedy =
       "Record more views: several markers in each, from many sides and distances, with turns about "
       "all axes; for the scale, measure a distance.";
@@ -29,9 +32,10 @@ Finding refusal(const CalibrationResult& calibration) {
 
 Finding partial_refusal(const CalibrationResult& calibration) {
   Finding finding;
-  finding.kind = FindingKind::refinement_refused;
-  finding.title = "A part of the refinement was refused and stays as stated";
-  finding.evidence = fmt::format("{}.", fmt::join(calibration.left_as_stated, "; "));
+  finding.cause = Cause::few_views;
+  finding.subject = "--refine";
+  finding.text = fmt::format("A part of the refinement was refused and stays as stated: {}.",
+                             fmt::join(calibration.left_as_stated, "; "));
   finding.remedy =
       "Record more views that several cameras share, from many sides and distances, with turns "
       "about "
@@ -57,10 +61,10 @@ Finding rig_misfit(const RigCamera& before, const RigCamera& after, const Camera
   const double turned_rad =
       angle_between_rad(after.rig_from_cam.rotation, before.rig_from_cam.rotation);
   Finding finding;
-  finding.kind = FindingKind::rig_misfit;
-  finding.title = fmt::format("The rig file does not fit {}", before.name);
-  finding.evidence = fmt::format(
-      "The images put it {:.1f} mm (± {:.1f}) and {:.2f}° (± {:.2f}) away from where rig.yaml has "
+  finding.cause = Cause::rig_displaced;
+  finding.subject = before.name;
+  finding.text = fmt::format(
+      "the images put it {:.1f} mm (± {:.1f}) and {:.2f}° (± {:.2f}) away from where rig.yaml has "
       "it.",
       1e3 * moved_m, 1e3 * sure.position_m, kDegreesPerRadian * turned_rad,
       kDegreesPerRadian * sure.rotation_rad);
@@ -82,12 +86,11 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
       old_one.distortion == Distortion::none ||
       (old_one.distortion == Distortion::radtan && old_one.coefficients == std::array<double, 4>{});
   Finding finding;
-  finding.kind = FindingKind::intrinsics_misfit;
-  finding.title = fmt::format("The intrinsics of {} do not fit its images", before.name);
-  finding.evidence = fmt::format(
-      "Its focal length fits {:+.2f} % (± {:.2f}) off the stated one, and its lens bends the image "
-      "up "
-      "to {:.1f} px otherwise than stated{}.",
+  finding.cause = Cause::intrinsics;
+  finding.subject = before.name;
+  finding.text = fmt::format(
+      "its images fit a focal length {:+.2f} % (± {:.2f}) off the stated one, and a lens that puts "
+      "its markers up to {:.1f} px elsewhere than the stated one{}.",
       100 * focal, 100 * sure.focal, lens_px,
       stated_straight ? ": the stated zero distortion is wrong" : "");
   finding.remedy =
@@ -123,27 +126,39 @@ bool differ_surely(const CameraModel& stated, const CameraModel& fitted,
   return distance2 > kByChance_8;
 }
 
-/// Largest difference of two camera models over the image, in px: where bearings of the old one
-/// land in the new one.
-double largest_shift_px(const CameraModel& before, const CameraModel& after) {
-  constexpr int kSteps = 8;
-  const CameraParameters& p = before.parameters();
-  double largest = 0;
-  for (int row = 0; row <= kSteps; ++row) {
-    for (int column = 0; column <= kSteps; ++column) {
-      const Eigen::Vector2d pixel(p.width_px * static_cast<double>(column) / kSteps,
-                                  p.height_px * static_cast<double>(row) / kSteps);
-      const auto bearing = before.bearing(pixel);
-      if (!bearing) continue;
-      const auto there = after.project(*bearing);
-      if (there) largest = std::max(largest, (*there - pixel).norm());
+/// Corners of the observations that the map rests on, by camera: where in the image something was
+/// seen.
+using SeenCorners = std::map<CameraIndex, std::vector<Eigen::Vector2d>>;
+
+SeenCorners seen_corners(const BuildResult& result, const Observations& observations) {
+  SeenCorners seen;
+  for (const BuiltSubMap& submap : result.submaps) {
+    for (const ObservationResidual& residual : submap.residuals) {
+      if (!residual.accepted) continue;
+      const Observation& o = observations[residual.observation];
+      auto& corners = seen[o.camera];
+      corners.insert(corners.end(), o.corners_px.begin(), o.corners_px.end());
     }
+  }
+  return seen;
+}
+
+/// Largest difference of two camera models, in px, where markers were seen: elsewhere a fitted lens
+/// says nothing.
+double largest_shift_px(const CameraModel& before, const CameraModel& after,
+                        const std::vector<Eigen::Vector2d>& pixels) {
+  double largest = 0;
+  for (const Eigen::Vector2d& pixel : pixels) {
+    const auto bearing = before.bearing(pixel);
+    if (!bearing) continue;
+    const auto there = after.project(*bearing);
+    if (there) largest = std::max(largest, (*there - pixel).norm());
   }
   return largest;
 }
 
 void name_misfits(const CalibrationResult& calibration, const VariableCalibration& asked,
-                  std::vector<Finding>& findings) {
+                  const SeenCorners& seen, std::vector<Finding>& findings) {
   // Refined sizes alone leave the rig file as it is: then what was fitted to it is evidence only.
   const bool rig_refined = calibration.refined && (asked.extrinsics || asked.intrinsics);
   const bool judge_extrinsics =
@@ -174,7 +189,9 @@ void name_misfits(const CalibrationResult& calibration, const VariableCalibratio
         continue;
       }
       constexpr double kWorthNaming_px = 1.0;
-      const double shift_px = largest_shift_px(stated.model, fitted.model);
+      const auto corners = seen.find(index);
+      const double shift_px =
+          corners == seen.end() ? 0 : largest_shift_px(stated.model, fitted.model, corners->second);
       const double focal =
           std::abs(fitted.model.parameters().fu_px / stated.model.parameters().fu_px - 1.0);
       if (focal > std::max(kWorthNamingFocal, kSigmas * sure.focal) || shift_px > kWorthNaming_px) {
@@ -188,11 +205,11 @@ void name_survey(const BuiltSubMap& submap, std::vector<Finding>& findings) {
   for (const SurveyResidual& entry : submap.survey) {
     if (!entry.mapped || std::abs(entry.residual_m) <= kSurveySigmas * entry.sigma_m) continue;
     Finding finding;
-    finding.kind = FindingKind::survey_disagrees;
-    finding.title = fmt::format("The survey's {} disagrees with the map", entry.entry);
-    finding.evidence = fmt::format("Off by {:.1f} mm, {:.1f} times its stated sigma of {:.1f} mm.",
-                                   1e3 * entry.residual_m,
-                                   std::abs(entry.residual_m) / entry.sigma_m, 1e3 * entry.sigma_m);
+    finding.cause = Cause::survey_entry;
+    finding.subject = fmt::format("survey {}", entry.entry);
+    finding.text = fmt::format(
+        "disagrees with the map: off by {:.1f} mm, {:.1f} times its stated sigma of {:.1f} mm.",
+        1e3 * entry.residual_m, std::abs(entry.residual_m) / entry.sigma_m, 1e3 * entry.sigma_m);
     finding.remedy = "Measure it again; if it stands, look at sizes and calibration.";
     finding.figures = {{"residual", entry.residual_m, "m", entry.sigma_m}};
     findings.push_back(finding);
@@ -204,7 +221,8 @@ Finding scale_bound(const BuiltSubMap& submap, const IndexedVector<RigIndex, Rig
   const double edge_px = BundleScope{}.edge_bias_sigma_px;
   constexpr double kPpm = 1e6;
   Finding finding;
-  finding.kind = FindingKind::scale_bound;
+  finding.cause = Cause::scale_unknown;
+  finding.subject = "scale";
   finding.severity = Severity::note;
   double alike = 0;
   std::size_t index = 0;
@@ -216,14 +234,11 @@ Finding scale_bound(const BuiltSubMap& submap, const IndexedVector<RigIndex, Rig
     }
   }
   finding.figures.insert(finding.figures.begin(), {"scale", std::abs(alike), "ppm", {}});
-  finding.title =
-      fmt::format("The scale is known to ± {:.0f} ppm for edges seen within ± {:.2g} px",
-                  std::abs(alike), edge_px);
-  finding.evidence = fmt::format(
-      "Blooming, print and sensor response move all edges of a marker outward or inward alike; no "
-      "measured length tells how far. By {:.2g} px in all cameras the map would be {:.0f} ppm too "
-      "large or too small.",
-      edge_px, std::abs(alike));
+  finding.text = fmt::format(
+      "known to ± {0:.0f} ppm for edges seen within ± {1:.2g} px: blooming, print and sensor "
+      "response move all edges of a marker outward or inward alike, and no measured length tells "
+      "how far. By {1:.2g} px in all cameras the map would be {0:.0f} ppm too large or too small.",
+      std::abs(alike), edge_px);
   finding.remedy = "Measure a distance on site (survey.toml) where that matters.";
   return finding;
 }
@@ -244,14 +259,12 @@ void name_undetermined(const BuildResult& result, std::vector<Finding>& findings
       markers.insert(entry.markers.front());
     }
     Finding finding;
-    finding.kind = FindingKind::survey_undetermined;
+    finding.cause = Cause::survey_entry;
     finding.submap = i;
-    finding.title =
-        result.submaps.size() > 1
-            ? fmt::format("Sub-map {} stays apart: the survey's points do not fix it", i)
-            : "The survey's points do not fix the facility frame";
-    finding.evidence = fmt::format(
-        "{} of them lie on {} of its markers; it takes 3 for fit, not on a line, on at least 2 "
+    finding.subject = fmt::format("sub-map {}", i);
+    finding.text = fmt::format(
+        "the survey's points do not fix the facility frame for it: {} of them lie on {} of its "
+        "markers; it takes 3 for fit, not on a line, on at least 2 "
         "markers.",
         points, markers.size());
     finding.remedy = "Measure more points on markers of this part.";
@@ -263,12 +276,12 @@ void name_undetermined(const BuildResult& result, std::vector<Finding>& findings
 
 Finding rigs_differ(const std::pair<std::string, std::string>& captures) {
   Finding finding;
-  finding.kind = FindingKind::rigs_differ;
+  finding.cause = Cause::rig_displaced;
   finding.severity = Severity::note;
-  finding.title = "Two captures state different calibrations of the same cameras";
-  finding.evidence = fmt::format(
-      "{} and {} name the same serials; each keeps its own numbers, and is refined on its own.",
-      captures.first, captures.second);
+  finding.subject = fmt::format("{} and {}", captures.first, captures.second);
+  finding.text =
+      "state different calibrations of the same cameras (they name the same serials); each keeps "
+      "its own numbers, and is refined on its own.";
   finding.remedy = "If nothing was changed between them, give both the same rig.yaml.";
   finding.captures = {captures.first, captures.second};
   return finding;
@@ -283,7 +296,7 @@ std::vector<Finding> calibration_findings(const BuildResult& result,
   const CalibrationResult& calibration = result.calibration;
   if (!calibration.refused.empty()) findings.push_back(refusal(calibration));
   if (!calibration.left_as_stated.empty()) findings.push_back(partial_refusal(calibration));
-  name_misfits(calibration, options.refine, findings);
+  name_misfits(calibration, options.refine, seen_corners(result, observations), findings);
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     const std::size_t first = findings.size();
     name_survey(result.submaps[i], findings);

@@ -4,63 +4,60 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
+
+#include "core/base/one_line.h"
 
 namespace waymark {
-namespace {
-
-constexpr std::array<std::string_view, 27> kKinds{"wrong_id",
-                                                  "twin",
-                                                  "moved_between_captures",
-                                                  "moved_during_capture",
-                                                  "wrong_size",
-                                                  "rig_misfit",
-                                                  "intrinsics_misfit",
-                                                  "survey_disagrees",
-                                                  "survey_undetermined",
-                                                  "scale_bound",
-                                                  "refinement_refused",
-                                                  "one_view",
-                                                  "unmapped",
-                                                  "unlocalized",
-                                                  "submaps",
-                                                  "unsettled",
-                                                  "covariances_unknown",
-                                                  "repeated_in_image",
-                                                  "marker_moved",
-                                                  "marker_appeared",
-                                                  "marker_vanished",
-                                                  "poor_fit",
-                                                  "no_marker_seen",
-                                                  "no_square",
-                                                  "quarantine_refuted",
-                                                  "quarantine_open",
-                                                  "rigs_differ"};
-static_assert(kKinds[static_cast<std::size_t>(FindingKind::rigs_differ)] == "rigs_differ");
-
-constexpr std::array<std::string_view, 3> kSeverities{"error", "warning", "note"};
-
-}  // namespace
-
-std::string_view name_of(FindingKind kind) { return kKinds.at(static_cast<std::size_t>(kind)); }
 
 std::string_view name_of(Severity severity) {
-  return kSeverities.at(static_cast<std::size_t>(severity));
+  constexpr std::array<std::string_view, 3> kNames{"error", "warning", "note"};
+  return kNames.at(static_cast<std::size_t>(severity));
 }
 
-std::string one_line(const Finding& finding, bool with_family) {
+std::string subject_of(const std::vector<MarkerId>& markers, bool with_family) {
   constexpr std::size_t kMostIds = 30;
-  std::string line =
-      fmt::format("{}: {}: {}", name_of(finding.severity), finding.title, finding.evidence);
+  std::string subject = markers.size() == 1 ? "marker" : "markers";
+  for (std::size_t i = 0; i < std::min(markers.size(), kMostIds); ++i) {
+    subject += (i > 0 ? ", " : " ") + format_marker_id(markers[i], with_family);
+  }
+  if (markers.size() > kMostIds) subject += fmt::format(", … ({} in all)", markers.size());
+  return subject;
+}
+
+std::string one_line(const Finding& finding) {
+  std::string line = fmt::format("{} [{}] {}: {}", name_of(finding.severity),
+                                 name_of(finding.cause), finding.subject, finding.text);
   if (!finding.remedy.empty()) line += " " + finding.remedy;
-  if (finding.markers.empty()) return line;
-  line += " Markers:";
-  for (std::size_t i = 0; i < std::min(finding.markers.size(), kMostIds); ++i) {
-    line += (i > 0 ? ", " : " ") + format_marker_id(finding.markers[i], with_family);
+  return in_one_line(line);
+}
+
+void sort_worst_first(std::vector<Finding>& findings) {
+  std::stable_sort(findings.begin(), findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity < b.severity; });
+}
+
+std::vector<std::string> lines_per_cause(const std::vector<Finding>& findings) {
+  std::vector<std::string> lines;
+  std::set<Cause> shown;
+  for (const Finding& finding : findings) {
+    if (!shown.insert(finding.cause).second) continue;
+    const auto alike = std::count_if(findings.begin(), findings.end(), [&](const Finding& other) {
+      return other.cause == finding.cause;
+    });
+    lines.push_back(one_line(finding));
+    if (alike > 1) {
+      lines.back() += fmt::format(" (and {} more of [{}]: --report shows all)", alike - 1,
+                                  name_of(finding.cause));
+    }
   }
-  if (finding.markers.size() > kMostIds) {
-    line += fmt::format(", … ({} in all)", finding.markers.size());
-  }
-  return line;
+  return lines;
+}
+
+std::size_t count_of(Severity severity, const std::vector<Finding>& findings) {
+  return static_cast<std::size_t>(
+      std::count_if(findings.begin(), findings.end(),
+                    [&](const Finding& finding) { return finding.severity == severity; }));
 }
 
 }  // namespace waymark

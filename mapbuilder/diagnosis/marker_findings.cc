@@ -16,16 +16,17 @@ class FindingWriter {
   explicit FindingWriter(const Observations& observations) : observations_(observations) {}
 
   [[nodiscard]] Finding wrong_size(const WrongSize& wrong) const {
-    Finding finding = about(FindingKind::wrong_size, wrong.marker);
-    finding.title = fmt::format("Marker {} is {:.1f} mm, not {:.1f} mm", name(wrong.marker),
-                                1e3 * wrong.fitted_m, 1e3 * wrong.stated_m);
-    finding.evidence = fmt::format(
-        "{} views by cameras that other markers place fit a size of {:.4f} ± {:.4f} m; the sizes "
-        "of {} other markers scatter by {:.2f} %. The map uses the fitted size.",
-        wrong.views, wrong.fitted_m, wrong.sigma_m, wrong.markers, 1e2 * wrong.spread);
+    Finding finding = about(Cause::size, wrong.marker);
+    finding.text = fmt::format(
+        "is {:.1f} mm, not {:.1f} mm: {} views by cameras that other markers place fit a size of "
+        "{:.4f} ± {:.4f} m; the sizes of {} other markers scatter by {:.2f} %. The map uses the "
+        "fitted size.",
+        1e3 * wrong.fitted_m, 1e3 * wrong.stated_m, wrong.views, wrong.fitted_m, wrong.sigma_m,
+        wrong.markers, 1e2 * wrong.spread);
+    finding.explains = fmt::format("{} views of it", wrong.views);
     finding.remedy = "Measure its black border and correct markers.toml.";
-    finding.figures = {{"stated size", wrong.stated_m, "m", {}},
-                       {"fitted size", wrong.fitted_m, "m", wrong.sigma_m},
+    finding.figures = {{"fitted size", wrong.fitted_m, "m", wrong.sigma_m},
+                       {"stated size", wrong.stated_m, "m", {}},
                        {"scatter of other markers' sizes", 1e2 * wrong.spread, "%", {}}};
     return finding;
   }
@@ -41,19 +42,14 @@ class FindingWriter {
     const double sigma_m = std::hypot(a.sigma_m, b.sigma_m);
     const bool twin = displaced.history.story == PlaceStory::twin;
     const bool during = displaced.history.story == PlaceStory::moved_during_capture;
-    Finding finding = about(
-        twin ? FindingKind::twin
-             : (during ? FindingKind::moved_during_capture : FindingKind::moved_between_captures),
-        displaced.marker);
-    const std::string which = name(displaced.marker);
+    Finding finding = about(twin ? Cause::twin : Cause::moved, displaced.marker);
     if (twin) {
-      finding.title =
-          fmt::format("Marker {} exists {} times", which,
-                      displaced.places.size() == 2 ? std::string("two")
-                                                   : fmt::format("{}", displaced.places.size()));
-      finding.evidence = fmt::format(
-          "{} views place it at one spot, {} at another one {:.3f} m away, {}. Both are kept out "
-          "of the map.",
+      finding.text = fmt::format(
+          "exists {} times: {} views place it at one spot, {} at another one {:.3f} m away, {}. "
+          "Both "
+          "are kept out of the map.",
+          displaced.places.size() == 2 ? std::string("two")
+                                       : fmt::format("{}", displaced.places.size()),
           a.views.size(), b.views.size(), apart_m,
           displaced.history.at_once       ? "at once"
           : displaced.history.interleaved ? "in turn"
@@ -61,12 +57,12 @@ class FindingWriter {
                                             "have been empty (it may also have been moved)");
       finding.remedy = "Take one of them down or give it another id, then record again.";
     } else {
-      finding.title = fmt::format("Marker {} was moved by {:.3f} m {}", which, apart_m,
-                                  during ? "during a capture" : "between captures");
-      finding.evidence = fmt::format(
-          "{} views place it at one spot, {} at another; in {} frame sets it would have been seen "
-          "where it no longer, or not yet, was. {}",
-          a.views.size(), b.views.size(), displaced.history.empty_looks,
+      finding.text = fmt::format(
+          "was moved by {:.3f} m {}: {} views place it at one spot, {} at another; in {} frame "
+          "sets "
+          "it would have been seen where it no longer, or not yet, was. {}",
+          apart_m, during ? "during a capture" : "between captures", a.views.size(), b.views.size(),
+          displaced.history.empty_looks,
           displaced.kept                ? "The map keeps the later place."
           : displaced.places.size() > 2 ? "It was seen at further places as well; it is kept out "
                                           "of the map."
@@ -81,6 +77,7 @@ class FindingWriter {
                        {"turned by", turned_deg, "°", {}},
                        {"views at the first place", static_cast<double>(a.views.size()), "", {}},
                        {"views at the second place", static_cast<double>(b.views.size()), "", {}}};
+    finding.explains = fmt::format("{} views of it", b.views.size());
     std::set<CaptureIndex> captures;
     for (const PlaceCluster& place : displaced.places) add_captures(place.views, captures);
     finding.captures = names_of(captures);
@@ -91,11 +88,11 @@ class FindingWriter {
   [[nodiscard]] Finding wrong_ids(const std::vector<const WrongId*>& wrong) const {
     constexpr std::size_t kMostListed = 50;
     const MarkerIndex marker = wrong.front()->view.marker;
-    Finding finding = about(FindingKind::wrong_id, marker);
-    finding.title = fmt::format(
-        "{} read as marker {} show{} something else",
-        wrong.size() == 1 ? std::string("A detection") : fmt::format("{} detections", wrong.size()),
-        name(marker), wrong.size() == 1 ? "s" : "");
+    Finding finding = about(Cause::wrong_id, marker);
+    finding.text = fmt::format(
+        "{} read as it show{} something else: ",
+        wrong.size() == 1 ? std::string("a detection") : fmt::format("{} detections", wrong.size()),
+        wrong.size() == 1 ? "s" : "");
     std::set<CaptureIndex> captures;
     std::set<std::string> cameras;
     for (std::size_t i = 0; i < wrong.size(); ++i) {
@@ -104,39 +101,37 @@ class FindingWriter {
       captures.insert(set.capture);
       cameras.insert(view.camera->name);
       if (i >= kMostListed) continue;
-      finding.evidence += fmt::format(
-          "{}{} in frame set {}: {}", i == 0 ? "" : "; ", view.camera->name, set.stamp.count(),
-          wrong[i]->truly ? "it is marker " + name(*wrong[i]->truly)
-                          : std::string("no mapped marker stands there"));
+      finding.text += fmt::format("{}{} in frame set {}: {}", i == 0 ? "" : "; ", view.camera->name,
+                                  set.stamp.count(),
+                                  wrong[i]->truly ? "it is marker " + name(*wrong[i]->truly)
+                                                  : std::string("no mapped marker stands there"));
     }
     if (wrong.size() > kMostListed) {
-      finding.evidence += fmt::format("; and {} more", wrong.size() - kMostListed);
+      finding.text += fmt::format("; and {} more", wrong.size() - kMostListed);
     }
-    finding.evidence += ". Left out.";
+    finding.text += ". Left out.";
     finding.remedy = "Nothing, if it is rare; else clean or replace the markers that are misread.";
     finding.cameras.assign(cameras.begin(), cameras.end());
     finding.captures = names_of(captures);
+    finding.explains = fmt::format("{} rejected detections", wrong.size());
     finding.figures = {{"detections with a wrong id", static_cast<double>(wrong.size()), "", {}}};
     return finding;
   }
 
   [[nodiscard]] Finding part_time(const PartTimeMarker& marker) const {
     const bool came = marker.appeared.value_or(false);
-    Finding finding =
-        about(came ? FindingKind::marker_appeared : FindingKind::marker_vanished, marker.marker);
+    Finding finding = about(Cause::moved, marker.marker);
     finding.severity = Severity::note;
-    finding.title = fmt::format("Marker {} {}", name(marker.marker),
-                                !marker.appeared ? "hangs in some captures and not in others"
-                                : came           ? "is new"
-                                                 : "is gone");
     const std::set<CaptureIndex> seen(marker.seen_in.begin(), marker.seen_in.end());
     const std::set<CaptureIndex> empty(marker.empty_in.begin(), marker.empty_in.end());
-    finding.evidence = fmt::format(
-        "It is seen in {}; in {} {} frame sets look at its place with clear sight and do not find "
-        "it.",
+    finding.text = fmt::format(
+        "{}: it is seen in {}; in {} {} frame sets look at its place with clear sight and do not "
+        "find it.",
+        !marker.appeared ? "hangs in some captures and not in others"
+        : came           ? "is new"
+                         : "is gone",
         fmt::join(names_of(seen), ", "), fmt::join(names_of(empty), ", "), marker.empty_looks);
-    finding.remedy = came ? "Nothing needs to be done."
-                          : "If it hangs there still, see what covers it; the map keeps it.";
+    if (!came) finding.remedy = "If it hangs there still, see what covers it; the map keeps it.";
     finding.captures = names_of(empty);
     finding.figures = {
         {"looks that did not find it", static_cast<double>(marker.empty_looks), "", {}}};
@@ -144,10 +139,11 @@ class FindingWriter {
   }
 
  private:
-  [[nodiscard]] Finding about(FindingKind kind, MarkerIndex marker) const {
+  [[nodiscard]] Finding about(Cause cause, MarkerIndex marker) const {
     Finding finding;
-    finding.kind = kind;
+    finding.cause = cause;
     finding.markers = {observations_.markers[marker]};
+    finding.subject = subject_of(finding.markers, observations_.several_families());
     return finding;
   }
 

@@ -22,48 +22,52 @@ bool is_mapped(const BuildResult& result, const MarkerId& id) {
   });
 }
 
-Finding confirmed(const QuarantinedMarker& quarantined, const MovedMarker& moved) {
+Finding about(const MarkerId& marker, bool with_family) {
   Finding finding;
-  finding.kind = FindingKind::marker_moved;
+  finding.cause = Cause::moved;
+  finding.subject = subject_of({marker}, with_family);
+  finding.markers = {marker};
+  return finding;
+}
+
+Finding confirmed(const QuarantinedMarker& quarantined, const MovedMarker& moved,
+                  bool with_family) {
+  Finding finding = about(quarantined.marker, with_family);
   finding.severity = Severity::note;
-  finding.title = "The vehicle was right: a marker of its quarantine has moved";
-  finding.evidence = fmt::format("By {:.1f} mm; the vehicle had found {:.1f} mm.",
-                                 1e3 * moved.distance_m, 1e3 * quarantined.offset_m);
+  finding.text = fmt::format(
+      "the vehicle was right: it has moved by {:.1f} mm; the vehicle had found {:.1f} mm.",
+      1e3 * moved.distance_m, 1e3 * quarantined.offset_m);
   finding.remedy = "Give the vehicle this map: its quarantine ends with the old one.";
-  finding.markers = {quarantined.marker};
   finding.figures = {{"moved", moved.distance_m, "m", {}},
                      {"by the vehicle", quarantined.offset_m, "m", {}}};
   return finding;
 }
 
-Finding refuted(const QuarantinedMarker& quarantined, const MovedMarker& place) {
-  Finding finding;
-  finding.kind = FindingKind::quarantine_refuted;
-  finding.title = "A marker of the quarantine stands where it stood";
-  finding.evidence = fmt::format(
-      "Within {:.1f} mm and {:.2f}° of its place in the earlier map; the vehicle had found {:.1f} "
-      "mm.",
+Finding refuted(const QuarantinedMarker& quarantined, const MovedMarker& place, bool with_family) {
+  Finding finding = about(quarantined.marker, with_family);
+  finding.text = fmt::format(
+      "in quarantine, but stands where it stood, within {:.1f} mm and {:.2f}° of its place in the "
+      "earlier map; the vehicle had found {:.1f} mm.",
       1e3 * place.distance_m, kDegreesPerRadian * place.turn_rad, 1e3 * quarantined.offset_m);
   finding.remedy =
       "See whether it hangs loose, whether another with its number hangs near, and whether the "
       "vehicle's cameras stand as its rig file says.";
-  finding.markers = {quarantined.marker};
   finding.figures = {{"off", place.distance_m, "m", {}},
                      {"by the vehicle", quarantined.offset_m, "m", {}}};
   return finding;
 }
 
-void add_listed(FindingKind kind, Severity severity, std::vector<MarkerId> markers,
-                const char* title, const std::string& evidence, const char* remedy,
-                std::vector<Finding>& findings) {
+void add_listed(Severity severity, std::vector<MarkerId> markers, bool with_family,
+                const std::string& text, const char* remedy, std::vector<Finding>& findings) {
   if (markers.empty()) return;
-  Finding finding;
-  finding.kind = kind;
-  finding.severity = severity;
-  finding.title = title;
-  finding.evidence = evidence;
-  finding.remedy = remedy;
   std::sort(markers.begin(), markers.end());
+  Finding finding;
+  finding.severity = severity;
+  finding.cause = Cause::moved;
+  finding.subject = subject_of(markers, with_family);
+  finding.text = text;
+  finding.remedy = remedy;
+  finding.figures = {{"markers", static_cast<double>(markers.size()), "", {}}};
   finding.markers = std::move(markers);
   findings.push_back(std::move(finding));
 }
@@ -79,7 +83,7 @@ std::set<MarkerId> moved_markers(const Quarantine& quarantine) {
 }
 
 std::vector<Finding> quarantine_findings(const Quarantine& quarantine, const BuildResult& result,
-                                         const FrameComparison* comparison) {
+                                         const FrameComparison* comparison, bool with_family) {
   std::vector<Finding> findings;
   std::vector<MarkerId> not_mapped;
   std::vector<MarkerId> not_compared;
@@ -95,23 +99,23 @@ std::vector<Finding> quarantine_findings(const Quarantine& quarantine, const Bui
     } else if (!moved) {
       known_now.push_back(marker.marker);
     } else if (elsewhere != nullptr) {
-      findings.push_back(confirmed(marker, *elsewhere));
+      findings.push_back(confirmed(marker, *elsewhere, with_family));
     } else if (in_place != nullptr) {
-      findings.push_back(refuted(marker, *in_place));
+      findings.push_back(refuted(marker, *in_place, with_family));
     } else {
       not_compared.push_back(marker.marker);
     }
   }
-  add_listed(FindingKind::marker_appeared, Severity::note, std::move(known_now),
-             "Markers that the vehicle did not know are mapped",
-             "They hung there and its map lacked them.", "Nothing needs to be done.", findings);
-  add_listed(FindingKind::quarantine_open, Severity::warning, std::move(not_mapped),
-             "Markers of the quarantine are not mapped now",
-             "No capture places them: nothing tells whether the vehicle was right.",
+  add_listed(Severity::note, std::move(known_now), with_family,
+             "unknown to the vehicle, mapped now: they hung there and its map lacked them.", "",
+             findings);
+  add_listed(Severity::warning, std::move(not_mapped), with_family,
+             "in quarantine and not mapped now: no capture places them, and nothing tells whether "
+             "the vehicle was right.",
              "Look at them; if they still hang there, record a capture that sees them.", findings);
-  add_listed(FindingKind::quarantine_open, Severity::note, std::move(not_compared),
-             "Markers of the quarantine are mapped, but not compared",
-             fmt::format("Their old places are in map {}, in whose world this map was not laid.",
+  add_listed(Severity::note, std::move(not_compared), with_family,
+             fmt::format("in quarantine and mapped, but not compared: their old places are in map "
+                         "{}, in whose world this map was not laid.",
                          quarantine.map_hash),
              "Build with --frame-of that map to see whether the vehicle was right.", findings);
   return findings;

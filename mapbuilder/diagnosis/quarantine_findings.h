@@ -18,6 +18,7 @@ namespace waymark {
 /// `comparison` is that with the map the quarantine belongs to; null: there is none.
 [[nodiscard]] std::vector<Finding> quarantine_findings(const Quarantine& quarantine,
                                                        const BuildResult& result,
-                                                       const FrameComparison* comparison);
+                                                       const FrameComparison* comparison,
+                                                       bool with_family);
 
 }  // namespace waymark

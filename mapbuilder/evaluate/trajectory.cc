@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/base/text_field.h"
+#include "core/capture/image_list.h"
 #include "mapbuilder/build/output_paths.h"
 
 namespace waymark {
@@ -23,18 +24,31 @@ std::optional<std::size_t> camera_number_of(const fs::path& path) {
   return parse_whole<std::size_t>(std::string_view(suffix).substr(4));
 }
 
-/// Files `out.camN.tum` beside `path` = `out.tum`, by camera number.
-std::map<std::size_t, fs::path> camera_files_beside(const fs::path& path) {
+/// Files `out.camN.tum` beside `path` = `out.tum`, by camera number; none where the folder is not
+/// there. Errors: permission, io.
+Expected<std::map<std::size_t, fs::path>> camera_files_beside(const fs::path& path) {
   std::map<std::size_t, fs::path> files;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-    const auto number = camera_number_of(entry.path());
+  std::error_code absent;
+  if (!fs::is_directory(folder, absent) && absent != std::errc::permission_denied) return files;
+  const auto entries = list_folder(folder);
+  if (!entries) return tl::make_unexpected(entries.error());
+  for (const fs::path& entry : *entries) {
+    const auto number = camera_number_of(entry);
     if (!number) continue;
     const fs::path expected = path_of_camera(path, "cam" + std::to_string(*number));
-    if (entry.path().filename() == expected.filename()) files.emplace(*number, expected);
+    if (entry.filename() == expected.filename()) files.emplace(*number, expected);
   }
   return files;
+}
+
+/// Whether something is there; permission or io where that can't be told.
+Expected<bool> is_there(const fs::path& path) {
+  std::error_code failed;
+  const bool there = fs::exists(path, failed);
+  if (!failed) return there;
+  return fail(failed == std::errc::permission_denied ? ErrorKind::permission : ErrorKind::io,
+              "{}: can't open: {}", path.string(), failed.message());
 }
 
 Expected<Trajectory> read_one(const fs::path& path, std::optional<std::size_t> camera) {
@@ -88,13 +102,17 @@ Expected<Rigid3> rig_from_frame(const Trajectory& trajectory, const Rig* rig) {
 Expected<std::vector<Trajectory>> read_trajectories(const fs::path& path, std::size_t submap) {
   const fs::path named = of_submap(path, submap);
   std::vector<Trajectory> trajectories;
-  if (fs::exists(named)) {
+  const auto named_is_there = is_there(named);
+  if (!named_is_there) return tl::make_unexpected(named_is_there.error());
+  if (*named_is_there) {
     auto trajectory = read_one(named, camera_number_of(named));
     if (!trajectory) return tl::make_unexpected(trajectory.error());
     trajectories.push_back(*std::move(trajectory));
     return trajectories;
   }
-  for (const auto& [camera, file] : camera_files_beside(named)) {
+  const auto files = camera_files_beside(named);
+  if (!files) return tl::make_unexpected(files.error());
+  for (const auto& [camera, file] : *files) {
     auto trajectory = read_one(file, camera);
     if (!trajectory) return tl::make_unexpected(trajectory.error());
     trajectories.push_back(*std::move(trajectory));

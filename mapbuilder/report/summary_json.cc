@@ -39,10 +39,23 @@ ordered_json finding_json(const Finding& finding, bool with_family) {
     if (figure.sigma) json["sigma"] = nine_decimals(*figure.sigma);
     figures.push_back(std::move(json));
   }
-  return {{"kind", name_of(finding.kind)},
-          {"severity", name_of(finding.severity)},
-          {"title", finding.title},
-          {"evidence", finding.evidence},
+  ordered_json value = nullptr;
+  ordered_json sigma = nullptr;
+  ordered_json unit = nullptr;
+  if (!finding.figures.empty()) {
+    const Figure& first = finding.figures.front();
+    value = nine_decimals(first.value);
+    sigma = number_or_null(first.sigma);
+    unit = first.unit;
+  }
+  return {{"severity", name_of(finding.severity)},
+          {"cause", name_of(finding.cause)},
+          {"subject", finding.subject},
+          {"value", std::move(value)},
+          {"sigma", std::move(sigma)},
+          {"unit", std::move(unit)},
+          {"explains", finding.explains},
+          {"text", finding.text},
           {"remedy", finding.remedy},
           {"markers", ids_json(finding.markers, with_family)},
           {"cameras", finding.cameras},

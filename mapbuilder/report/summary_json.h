@@ -8,7 +8,7 @@
 namespace waymark {
 
 /// Version of summary.json (docs/report.md). A key never changes its meaning or unit under it.
-inline constexpr int kSummarySchema = 1;
+inline constexpr int kSummarySchema = 2;
 
 /// The content of summary.json. Bytes of names that are no UTF-8 become U+FFFD. Who includes this
 /// links nlohmann_json.

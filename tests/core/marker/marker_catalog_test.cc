@@ -182,6 +182,15 @@ INSTANTIATE_TEST_SUITE_P(
                  "needs ids and size_m"},
         BadInput{"SizesNoBlocks", "[markers]\nfamily = \"tag36h11\"\nsizes = 3\n",
                  "sizes must be [[markers.sizes]]"},
+        BadInput{"FamilyThatBeginsAnother",
+                 "[[markers]]\nfamily = \"aruco_4x4_50\"\nsize_m = 1\n"
+                 "[[markers]]\nfamily = \"aruco_4x4_1000\"\nsize_m = 2\n",
+                 "line 4: aruco_4x4_50 is the beginning of aruco_4x4_1000"},
+        BadInput{"FamilyThatBeginsWithAnother",
+                 "[[markers]]\nfamily = \"aruco_6x6_250\"\nsize_m = 1\n"
+                 "[[markers]]\nfamily = \"tag36h11\"\nsize_m = 1\n"
+                 "[[markers]]\nfamily = \"aruco_6x6_100\"\nsize_m = 2\n",
+                 "line 7: aruco_6x6_100 is the beginning of aruco_6x6_250"},
         BadInput{"FamilyTwice",
                  "[[markers]]\nfamily = \"tag16h5\"\nsize_m = 1\n"
                  "[[markers]]\nfamily = \"tag16h5\"\nsize_m = 2\n",

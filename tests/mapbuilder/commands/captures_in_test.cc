@@ -11,6 +11,7 @@ namespace waymark {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class CapturesIn : public testing::Test {
  protected:
@@ -41,8 +42,8 @@ TEST_F(CapturesIn, TakesEveryCaptureAndSaysWhatItFound) {
   input_.paths = {make_capture("a"), make_capture("b")};
   const auto captures = take_captures_in(input_, progress_, notes_);
   ASSERT_TRUE(captures) << captures.error().message;
-  ASSERT_EQ(captures->size(), 2U);
-  EXPECT_EQ((*captures)[1].images.size(), 2U);
+  ASSERT_EQ(captures->captures.size(), 2U);
+  EXPECT_EQ(captures->captures[1].images.size(), 2U);
   EXPECT_THAT(notes_.str(), HasSubstr("b: 2 images, 1 markers found (from detections.csv)\n"));
   EXPECT_THAT(notes_.str(), HasSubstr("note: "));
 }
@@ -54,7 +55,7 @@ TEST_F(CapturesIn, TakesThePapersLayout) {
   input_.paths = {papers};
   const auto captures = take_captures_in(input_, progress_, notes_);
   ASSERT_TRUE(captures) << captures.error().message;
-  EXPECT_EQ(captures->front().images.size(), 2U);
+  EXPECT_EQ(captures->captures.front().images.size(), 2U);
 }
 
 TEST_F(CapturesIn, AMissingCaptureIsFoundBeforeTheFirstIsSearched) {
@@ -74,10 +75,14 @@ TEST_F(CapturesIn, AFileIsAVideoAndNeedsRigAndMarkers) {
   expect_failure(ErrorKind::bad_data, "walk.avi: not a video");
 }
 
-TEST_F(CapturesIn, OutputsAreCheckedBeforeLongWork) {
-  EXPECT_TRUE(check_writable(folder_.path() / "new.map"));
-  EXPECT_EQ(check_writable(folder_.path()).error().kind, ErrorKind::cant_create);
-  EXPECT_EQ(check_writable(folder_.path() / "absent/new.map").error().kind, ErrorKind::cant_create);
+TEST_F(CapturesIn, ASurveyIsSpokenOfOnlyWhereItCouldBeAskedFor) {
+  input_.paths = {make_capture("a")};
+  folder_.write("a/survey.toml", "");
+  ASSERT_TRUE(take_captures_in(input_, progress_, notes_));
+  EXPECT_THAT(notes_.str(), Not(HasSubstr("--survey")));
+  input_.survey_not_asked = true;
+  ASSERT_TRUE(take_captures_in(input_, progress_, notes_));
+  EXPECT_THAT(notes_.str(), HasSubstr("used only when asked for: --survey"));
 }
 
 }  // namespace

@@ -55,5 +55,20 @@ TEST_F(ExportCommand, WhatCannotBeDoneIsRefused) {
   EXPECT_EQ(folder_.read("out.tum"), "earlier");
 }
 
+TEST_F(ExportCommand, NothingTakesTheMapsPlace) {
+  const std::string map = folder_.read("a.map");
+  for (const char* format : {"tum", "csv", "ply", "json"}) {
+    EXPECT_EQ(run(format, "a.map").error().kind, ErrorKind::usage) << format;
+  }
+  // The second sub-map's file.
+  EXPECT_TRUE(write_map_file(folder_.path() / "b.1.map", map_));
+  const auto second =
+      run_export({folder_.path() / "b.1.map", "tum", folder_.path() / "b.map"}, notes_);
+  EXPECT_EQ(second.error().kind, ErrorKind::usage);
+  EXPECT_EQ(folder_.read("a.map"), map);
+  EXPECT_EQ(folder_.read("b.1.map"), map);
+  EXPECT_EQ(folder_.read("b.map"), "");
+}
+
 }  // namespace
 }  // namespace waymark

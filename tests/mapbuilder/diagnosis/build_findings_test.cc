@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <string>
+#include <utility>
 
 #include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
+
+using Told = std::vector<std::pair<Cause, std::string>>;
 
 /// A sound build of two verified markers.
 struct Sound {
@@ -28,21 +31,20 @@ struct Sound {
   BuildResult result;
   Observations observations;
 
-  [[nodiscard]] std::vector<FindingKind> kinds() const {
-    std::vector<FindingKind> found;
+  /// Causes and how each text begins.
+  [[nodiscard]] Told told() const {
+    Told found;
     for (const Finding& finding : build_findings(result, observations)) {
-      EXPECT_FALSE(finding.title.empty());
-      EXPECT_FALSE(finding.evidence.empty());
+      EXPECT_FALSE(finding.subject.empty());
+      EXPECT_FALSE(finding.text.empty());
       EXPECT_TRUE(finding.severity == Severity::note || !finding.remedy.empty());
-      found.push_back(finding.kind);
+      found.emplace_back(finding.cause, finding.text.substr(0, 12));
     }
     return found;
   }
 };
 
-using Kinds = std::vector<FindingKind>;
-
-TEST(BuildFindings, NothingIsSaidOfASoundBuild) { EXPECT_EQ(Sound().kinds(), Kinds{}); }
+TEST(BuildFindings, NothingIsSaidOfASoundBuild) { EXPECT_EQ(Sound().told(), Told{}); }
 
 TEST(BuildFindings, NothingIsSaidOfASoundRoom) {
   test::RoomOptions options;
@@ -58,8 +60,8 @@ TEST(BuildFindings, MarkersOfOneViewAreNamedAndNoOthers) {
   build.result.submaps[0].map.markers[1].verified = false;
   const auto findings = build_findings(build.result, build.observations);
   ASSERT_EQ(findings.size(), 1U);
-  EXPECT_EQ(findings[0].kind, FindingKind::one_view);
-  EXPECT_EQ(findings[0].title, "1 marker: one view, not verified");
+  EXPECT_EQ(findings[0].cause, Cause::few_views);
+  EXPECT_EQ(findings[0].subject, "marker 7");
   EXPECT_EQ(findings[0].markers, (std::vector<MarkerId>{{Family::tag36h11, 7}}));
   EXPECT_EQ(findings[0].submap, 0U);
 }
@@ -70,23 +72,23 @@ TEST(BuildFindings, PartsAreCounted) {
   build.result.submaps[1].map.markers.pop_back();
   const auto findings = build_findings(build.result, build.observations);
   ASSERT_EQ(findings.size(), 1U);
-  EXPECT_EQ(findings[0].kind, FindingKind::submaps);
+  EXPECT_EQ(findings[0].cause, Cause::disconnected);
   ASSERT_EQ(findings[0].figures.size(), 2U);
   EXPECT_EQ(findings[0].figures[1].value, 1.0);
 }
 
 TEST(BuildFindings, EachWeaknessOfASubMapHasItsFinding) {
-  Sound restless;
-  restless.result.submaps[0].converged = false;
-  EXPECT_EQ(restless.kinds(), Kinds{FindingKind::unsettled});
+  Sound unsettled;
+  unsettled.result.submaps[0].converged = false;
+  EXPECT_EQ(unsettled.told(), (Told{{Cause::map_misfit, "adjustment a"}}));
   Sound loose;
   loose.result.submaps[0].covariances_known = false;
-  EXPECT_EQ(loose.kinds(), Kinds{FindingKind::covariances_unknown});
+  EXPECT_EQ(loose.told(), (Told{{Cause::few_views, "the uncertai"}}));
   Sound poor;
   poor.result.submaps[0].model_sigma_px = kLargestModelSigma;
-  EXPECT_EQ(poor.kinds(), Kinds{FindingKind::poor_fit});
+  EXPECT_EQ(poor.told(), (Told{{Cause::map_misfit, "the map does"}}));
   poor.result.submaps[0].model_sigma_px = kLargestModelSigma * 0.99;
-  EXPECT_EQ(poor.kinds(), Kinds{});
+  EXPECT_EQ(poor.told(), Told{});
 }
 
 TEST(BuildFindings, WhatFoundNoPlaceIsSaid) {
@@ -96,12 +98,14 @@ TEST(BuildFindings, WhatFoundNoPlaceIsSaid) {
   build.result.without_markers = {FrameSetIndex(5)};
   build.observations.repeated_in_image = 6;
   build.observations.degenerate = 1;
-  EXPECT_EQ(build.kinds(),
-            (Kinds{FindingKind::unmapped, FindingKind::unlocalized, FindingKind::repeated_in_image,
-                   FindingKind::no_square, FindingKind::no_marker_seen}));
+  EXPECT_EQ(build.told(), (Told{{Cause::few_views, "seen but not"},
+                                {Cause::few_views, "not localize"},
+                                {Cause::twin, "left out: th"},
+                                {Cause::wrong_id, "left out: th"},
+                                {Cause::few_views, "without a us"}}));
   const auto findings = build_findings(build.result, build.observations);
-  EXPECT_EQ(findings[0].title, "1 marker seen but not mapped");
-  EXPECT_EQ(findings[1].title, "2 frame sets could not be localized");
+  EXPECT_EQ(findings[0].subject, "marker 44");
+  EXPECT_EQ(findings[1].subject, "2 frame sets");
   EXPECT_EQ(findings[3].severity, Severity::note);
   EXPECT_EQ(findings[4].severity, Severity::note);
 }

@@ -28,7 +28,7 @@ TEST_F(DiagnosedBuildTest, aWrongSizeIsFittedAndTheRestUnharmed) {
   SyntheticRoom room = noisy_room();
   state_size(room, 7, 0.33);
   build(room);
-  expect_only(FindingKind::wrong_size, 7);
+  expect_only(Cause::size, 7);
   EXPECT_NEAR(figure("stated size"), 0.33, 1e-12);
   EXPECT_NEAR(figure("fitted size"), 0.30, 0.001);
   ASSERT_NE(mapped(7), nullptr);
@@ -52,7 +52,7 @@ TEST_F(DiagnosedBuildTest, aRigFileThatDoesNotFitDoesNotBendTheFittedSize) {
   Rigid3& rig_from_cam = room.rig.cameras[1].rig_from_cam;
   rig_from_cam = rig_from_cam.plus(off);
   build(room);
-  expect_only(FindingKind::wrong_size, 7);
+  expect_only(Cause::size, 7);
   EXPECT_NEAR(figure("fitted size"), 0.30, 0.003);
 }
 

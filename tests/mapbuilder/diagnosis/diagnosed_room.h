@@ -97,16 +97,16 @@ class DiagnosedRoom : public ::testing::Test {
 
   [[nodiscard]] std::string titles() const {
     std::string all;
-    for (const Finding& finding : build_.findings) all += finding.title + "\n";
+    for (const Finding& finding : build_.findings) all += one_line(finding) + "\n";
     return all;
   }
 
   void expect_nobody() const { EXPECT_TRUE(build_.findings.empty()) << titles(); }
 
-  /// Exactly one finding, of this kind, about this marker.
-  void expect_only(FindingKind kind, int id) const {
+  /// Exactly one finding, of this cause, about this marker.
+  void expect_only(Cause cause, int id) const {
     ASSERT_EQ(build_.findings.size(), 1u) << titles();
-    EXPECT_EQ(build_.findings.front().kind, kind) << titles();
+    EXPECT_EQ(build_.findings.front().cause, cause) << titles();
     ASSERT_EQ(build_.findings.front().markers.size(), 1u);
     EXPECT_EQ(build_.findings.front().markers.front().number, id);
   }

@@ -1,45 +1,44 @@
 #include "mapbuilder/diagnosis/finding.h"
 
-#include <gtest/gtest.h>
-
-#include <set>
+#include <gmock/gmock.h>
 
 namespace waymark {
 namespace {
 
-TEST(Finding, EveryKindHasANameOfItsOwn) {
-  std::set<std::string_view> names;
-  const int kinds = static_cast<int>(FindingKind::no_square) + 1;
-  for (int i = 0; i < kinds; ++i) names.insert(name_of(static_cast<FindingKind>(i)));
-  EXPECT_EQ(names.size(), static_cast<std::size_t>(kinds));
-  EXPECT_FALSE(names.contains(""));
-  EXPECT_EQ(name_of(FindingKind::wrong_size), "wrong_size");
-  EXPECT_EQ(name_of(FindingKind::marker_vanished), "marker_vanished");
-  EXPECT_EQ(name_of(Severity::note), "note");
+using testing::EndsWith;
+
+MarkerId id(int number) { return {Family::tag36h11, number}; }
+
+TEST(Finding, TheLineIsThatOfTheFormats) {
+  Finding finding;
+  finding.severity = Severity::error;
+  finding.cause = Cause::rig_inverted;
+  finding.subject = "cam1, cam2";
+  finding.text = "T_cn_cnm1 is written the other way round.";
+  EXPECT_EQ(one_line(finding),
+            "error [rig_inverted] cam1, cam2: T_cn_cnm1 is written the other way round.");
+  finding.severity = Severity::note;
+  finding.remedy = "Invert it.";
+  EXPECT_EQ(one_line(finding).rfind("note [rig_inverted] ", 0), 0U);
+  EXPECT_THAT(one_line(finding), EndsWith("round. Invert it."));
 }
 
-TEST(Finding, OneLineHoldsAllThatATerminalNeeds) {
+TEST(Finding, WhatItQuotesNeverBreaksTheLine) {
   Finding finding;
-  finding.title = "2 markers rest on one view";
-  finding.evidence = "Nothing confirms them.";
-  finding.remedy = "Record another view.";
-  finding.markers = {{Family::tag36h11, 3}, {Family::tag36h11, 12}};
-  EXPECT_EQ(one_line(finding, false),
-            "warning: 2 markers rest on one view: Nothing confirms them. Record another view. "
-            "Markers: 3, 12");
-  EXPECT_NE(one_line(finding, true).find("tag36h11:3, tag36h11:12"), std::string::npos);
+  finding.subject = "a capture\n\x1b[31m";
+  finding.text = "x.";
+  EXPECT_EQ(one_line(finding).find_first_of("\n\x1b"), std::string::npos);
 }
 
-TEST(Finding, LongListsAreCut) {
-  Finding finding;
-  finding.title = "Many";
-  finding.evidence = "Seen.";
-  for (int i = 0; i < 30; ++i) finding.markers.push_back({Family::tag36h11, i});
-  EXPECT_EQ(one_line(finding, false).find("in all"), std::string::npos);
-  finding.markers.push_back({Family::tag36h11, 30});
-  const std::string line = one_line(finding, false);
-  EXPECT_EQ(line.substr(line.size() - std::string("29, … (31 in all)").size()),
-            "29, … (31 in all)");
+TEST(Finding, SubjectsNameMarkersUpToThirty) {
+  EXPECT_EQ(subject_of({id(3)}, false), "marker 3");
+  EXPECT_EQ(subject_of({id(3), id(12)}, false), "markers 3, 12");
+  EXPECT_EQ(subject_of({id(3)}, true), "marker tag36h11:3");
+  std::vector<MarkerId> many;
+  for (int i = 0; i < 30; ++i) many.push_back(id(i));
+  EXPECT_THAT(subject_of(many, false), EndsWith("28, 29"));
+  many.push_back(id(30));
+  EXPECT_THAT(subject_of(many, false), EndsWith("29, … (31 in all)"));
 }
 
 }  // namespace

@@ -22,8 +22,8 @@ class WrongIdsTest : public DiagnosedRoom {
   }
 
   void expect_named(int read, int truly) const {
-    expect_only(FindingKind::wrong_id, read);
-    const std::string& evidence = build_.findings.front().evidence;
+    expect_only(Cause::wrong_id, read);
+    const std::string& evidence = build_.findings.front().text;
     EXPECT_NE(evidence.find(std::to_string(stamp_->count())), std::string::npos) << evidence;
     EXPECT_NE(evidence.find("it is marker " + std::to_string(truly) + "."), std::string::npos)
         << evidence;

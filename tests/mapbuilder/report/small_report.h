@@ -49,16 +49,17 @@ inline Report small_report() {
                     0.0016},
                    {"99 center", {{Family::tag36h11, 99}}, true, true, {}, {}, {}, 0.002}};
   Finding finding;
-  finding.kind = FindingKind::wrong_size;
+  finding.cause = Cause::size;
   finding.severity = Severity::error;
-  finding.title = "Marker 12 is 121 mm, <not> 120 mm";
-  finding.evidence = "Its 22 views fit a size of 121.0 mm; the stated size is 5 sigmas off.";
+  finding.subject = "marker 12";
+  finding.text = "is 121 mm, <not> 120 mm: its 22 views fit 121.0 mm, 5 sigmas off.";
+  finding.explains = "22 views of it";
   finding.remedy = "Measure it and correct markers.toml.";
   finding.markers = {twelve};
   finding.cameras = {"cam0"};
   finding.captures = {report.captures[0].name};
   finding.submap = 0;
-  finding.figures = {{"stated size", 0.12, "m", {}}, {"fitted size", 0.121, "m", 0.0002}};
+  finding.figures = {{"fitted size", 0.121, "m", 0.0002}, {"stated size", 0.12, "m", {}}};
   report.findings = {finding};
   report.unmapped = {{Family::tag36h11, 99}};
   report.unlocalized = 3;

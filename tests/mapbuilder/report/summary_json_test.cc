@@ -20,7 +20,7 @@ TEST(Summary, ReadsBack) {
   EXPECT_EQ(json.at("schema"), kSummarySchema);
   EXPECT_EQ(json.at("map"), "</script><img src=x onerror=alert(1)>.map");
   EXPECT_EQ(json.at("submaps").at(0).at("markers").at(1).at("id"), 12);
-  EXPECT_EQ(json.at("findings").at(0).at("kind"), "wrong_size");
+  EXPECT_EQ(json.at("findings").at(0).at("cause"), "size");
 }
 
 TEST(Summary, UnknownCovariancesAreNullNotZero) {

@@ -1,7 +1,7 @@
 // What is wrong, worst first.
 
 import { element } from "./element.js";
-import { figure, plural } from "./format.js";
+import { causeName, figure, plural } from "./format.js";
 
 const NAMES = { error: "Error", warning: "Warning", note: "Note" };
 const MOST_CHIPS = 40;
@@ -25,9 +25,10 @@ function chips(finding, model, choose) {
 function card(finding, model, choose) {
   const figures = finding.figures.map((entry) =>
     element("div", {}, element("dt", {}, entry.name), element("dd", {}, figure(entry))));
-  return element("article", { class: `finding ${finding.severity}`, "data-kind": finding.kind },
-    element("h3", {}, element("span", { class: "badge" }, NAMES[finding.severity]), finding.title),
-    element("p", {}, finding.evidence),
+  return element("article", { class: `finding ${finding.severity}`, "data-cause": finding.cause },
+    element("h3", {}, element("span", { class: "badge" }, NAMES[finding.severity]), `${finding.subject}: ${causeName(finding)}`),
+    element("p", {}, finding.text),
+    finding.explains ? element("p", { class: "fine" }, `Explains ${finding.explains}.`) : null,
     figures.length ? element("dl", { class: "figures" }, figures) : null,
     finding.remedy ? element("p", { class: "remedy" }, element("b", {}, "What to do: "), finding.remedy) : null,
     chips(finding, model, choose));

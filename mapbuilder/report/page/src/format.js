@@ -45,6 +45,9 @@ export function plural(value, one, many) {
   return `${count(value)} ${value === 1 ? one : many}`;
 }
 
+/** What a finding is about: "rig displaced". */
+export const causeName = (finding) => finding.cause.replaceAll("_", " ");
+
 /** A finding's figure: "0.125 \u00b1 0.001 m". */
 export function figure({ value, unit, sigma }) {
   const decimals = (number) =>

@@ -1,7 +1,7 @@
 // The figures of the chosen marker, or of the whole sub-map.
 
 import { element } from "./element.js";
-import { coordinates, count, degrees, fixed, length, pixels } from "./format.js";
+import { causeName, coordinates, count, degrees, fixed, length, pixels } from "./format.js";
 
 const FRAMES = {
   arbitrary: "Origin and axes are the mapper\u2019s choice; the stated sizes set the scale.",
@@ -32,7 +32,7 @@ function aboutMarker(marker, { close, show }) {
         element("span", { class: "id", "data-field": "id" }, marker.label)),
       element("button", { type: "button", class: "close", "aria-label": "Close", onclick: close }, "\u00d7")),
     marker.findings.map((finding) =>
-      element("p", { class: `flag ${finding.severity}` }, finding.title)),
+      element("p", { class: `flag ${finding.severity}` }, `${causeName(finding)}: ${finding.text}`)),
     rows([
       ["Residual, RMS", pixels(marker.rms_px), "rms"],
       ["Views accepted", count(marker.observations), "observations"],

@@ -1,7 +1,7 @@
 // The markers, worst first.
 
 import { element } from "./element.js";
-import { count, degrees, fixed, length } from "./format.js";
+import { causeName, count, degrees, fixed, length } from "./format.js";
 import { SortedTable } from "./tables.js";
 
 const FLAGS = ["", "note", "warning", "error"];
@@ -11,7 +11,7 @@ function columns(submap) {
   return [
     { name: "Id", title: "Marker", value: (m) => m.id, show: (m) => element("b", {}, m.label), numeric: typeof submap.markers[0]?.id === "number" },
     { name: "Finding", title: "What is wrong with it", value: (m) => m.rank, numeric: true,
-      show: (m) => (m.rank ? element("span", { class: `tag ${FLAGS[m.rank]}`, title: m.findings[0].title }, m.findings[0].kind.replaceAll("_", " ")) : "") },
+      show: (m) => (m.rank ? element("span", { class: `tag ${FLAGS[m.rank]}`, title: m.findings[0].text }, causeName(m.findings[0])) : "") },
     { name: "RMS px", title: "Residual over the corners of accepted views", value: (m) => m.rms_px, show: (m) => fixed(m.rms_px, 3), numeric: true },
     { name: "Views", title: "Accepted observations", value: (m) => m.observations, show: (m) => count(m.observations), numeric: true },
     { name: "Rejected", title: "Observations rejected by the gate", value: (m) => m.rejected, show: (m) => count(m.rejected), numeric: true },
