@@ -12,9 +12,9 @@
 #include <utility>
 
 #include "core/base/atomic_file.h"
+#include "core/base/folder_walk.h"
 #include "core/base/system_call.h"
 #include "core/base/text_field.h"
-#include "locd/record/folder_walk.h"
 
 namespace waymark {
 

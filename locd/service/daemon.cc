@@ -9,6 +9,7 @@
 #include <future>
 #include <thread>
 
+#include "core/base/notes.h"
 #include "core/map/quarantine.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
@@ -154,7 +155,7 @@ int Daemon::control_descriptor() const {
 
 Status Daemon::start() {
   Parts& p = *parts_;
-  for (const std::string& note : p.setup.notes) p.log.note(note);
+  for (const std::string& note : shown_notes(p.setup.notes)) p.log.note(note);
   auto control = ControlSocket::open(p.options.runtime_folder / "control");
   if (!control) return tl::make_unexpected(control.error());
   p.control.emplace(std::move(*control));

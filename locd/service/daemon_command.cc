@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "core/base/notes.h"
 #include "drivers/device_monitor.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
@@ -131,7 +132,9 @@ Status check_configuration(const DaemonOptions& options) {
   if (!setup) return tl::make_unexpected(setup.error());
   const auto sources = make_sources(*setup);
   if (!sources) return tl::make_unexpected(sources.error());
-  for (const std::string& note : setup->notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : shown_notes(setup->notes)) {
+    fmt::print(stderr, "note: {}\n", note);
+  }
   fmt::print("{}\n", describe_route(*parse_lcm_url(setup->config.lcm.url)));
   if (setup->key)
     fmt::print("poses are signed with {}\n", in_one_line(setup->config.lcm.key_file.string()));

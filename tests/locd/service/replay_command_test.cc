@@ -65,6 +65,36 @@ TEST_F(ReplayCommand, AStopEndsItWithWhatThereIs) {
   EXPECT_EQ(out_.str(), "0 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 0 LOST\n");
 }
 
+/// The same map of markers that images don't show.
+MarkerMap of_other_family(MarkerMap map) {
+  for (SubMap& submap : map.submaps) {
+    for (MapMarker& marker : submap.markers) marker.id.family = Family::tagstandard52h13;
+  }
+  return map;
+}
+
+TEST_F(ReplayCommand, AMapOfMarkersThatImagesDontShowServesDetections) {
+  ASSERT_TRUE(write_map_file(folder_.path() / "room.map", of_other_family(test::room_map(room_))));
+  const auto status = run("a.tum");
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(out_.str(), "60 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 60 LOST\n");
+}
+
+TEST_F(ReplayCommand, ARigWithoutTransformsIsRefused) {
+  std::string rig = folder_.read("rig.yaml");
+  for (std::size_t at = 0; (at = rig.find("  T_c")) != std::string::npos;) {
+    std::size_t end = at;
+    for (int line = 0; line < 5; ++line) end = rig.find('\n', end) + 1;
+    rig.erase(at, end - at);
+  }
+  ASSERT_NE(rig, folder_.read("rig.yaml")) << "one camera only";
+  folder_.write("rig.yaml", rig);
+  const auto status = run("a.tum");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::bad_data);
+  EXPECT_NE(status.error().message.find("T_cn_cnm1"), std::string::npos) << status.error().message;
+}
+
 TEST_F(ReplayCommand, SaysWhatIsWrong) {
   std::filesystem::remove(folder_.path() / "room.map");
   EXPECT_EQ(run("a.tum").error().kind, ErrorKind::no_input);
