@@ -8,6 +8,8 @@
 #include <map>
 #include <memory>
 
+#include "core/base/one_line.h"
+#include "core/base/range.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"
 #include "mapbuilder/commands/evaluate_command.h"
@@ -31,34 +33,34 @@ void add_estimation_options(CLI::App& app, BuildOptions& options) {
   app.add_option("--loss", options.loss.loss, "robust loss: huber (default) or none")
       ->transform(CLI::CheckedTransformer(losses));
   app.add_option("--loss-sigmas", options.loss.scale_sigmas, "where Huber turns linear, in sigmas")
-      ->check(CLI::Range(2.0, 50.0))
+      ->check(number_in({2, 50}))
       ->capture_default_str();
   app.add_option("--gate", options.gate.enabled, "outlier gate: on (default) or off")
       ->transform(CLI::CheckedTransformer(switches));
   app.add_option("--gate-sigmas", options.gate.reject_sigmas, "the gate's threshold, in sigmas")
-      ->check(CLI::Range(3.0, 100.0))
+      ->check(number_in({3, 100}))
       ->capture_default_str();
   app.add_option("--weight", options.noise.weighting,
                  "what weighs observations: covariance (default), paper (eq. 7) or none")
       ->transform(CLI::CheckedTransformer(weightings));
   ObservationWeightOptions& paper = options.noise.paper;
   app.add_option("--lambda-distance", paper.lambda_distance, "eq. 7's lambda 1")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in({0, 1e6}))
       ->capture_default_str();
   app.add_option("--lambda-angle", paper.lambda_angle, "eq. 7's lambda 2")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in({0, 1e6}))
       ->capture_default_str();
   app.add_option("--lambda-ambiguity", paper.lambda_ambiguity, "eq. 7's lambda 3")
-      ->check(CLI::NonNegativeNumber)
+      ->check(number_in({0, 1e6}))
       ->capture_default_str();
   app.add_option("--epsilon-rad", paper.epsilon_rad, "eq. 7's epsilon, rad")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in({1e-6, 10}))
       ->capture_default_str();
   app.add_option("--max-distance-m", paper.max_distance_m, "eq. 7's d_max, m")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in({1e-6, 1e6}))
       ->capture_default_str();
   app.add_option("--max-angle-rad", paper.max_angle_rad, "eq. 7's theta_max, rad")
-      ->check(CLI::PositiveNumber)
+      ->check(number_in({1e-6, 10}))
       ->capture_default_str();
 }
 
@@ -221,7 +223,8 @@ int main(int argc, char** argv) {
     std::fputs("mapbuilder: out of memory: use fewer captures at a time\n", stderr);
     return static_cast<int>(waymark::ErrorKind::unavailable);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "mapbuilder: internal error: %s; please report it\n", error.what());
+    std::fprintf(stderr, "mapbuilder: internal error: %s; please report it\n",
+                 waymark::in_one_line(error.what()).c_str());
     return static_cast<int>(waymark::ErrorKind::internal);
   }
 }

@@ -5,7 +5,9 @@
 #include <chrono>
 
 #include "core/base/atomic_file.h"
+#include "core/base/same_file.h"
 #include "core/camera/kalibr.h"
+#include "core/map/map_check.h"
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/output_paths.h"
@@ -89,9 +91,8 @@ Status check_refined_rig_path(const BuildCommandOptions& options) {
   if (options.trajectory) taken.push_back(*options.trajectory);
   if (options.input.rig_yaml) taken.push_back(*options.input.rig_yaml);
   for (const auto& capture : options.input.paths) taken.push_back(capture / "rig.yaml");
-  const auto place = [](const auto& file) { return std::filesystem::weakly_canonical(file); };
   for (const auto& file : taken) {
-    if (place(file) != place(*path)) continue;
+    if (!is_same_file(file, *path)) continue;
     return fail(ErrorKind::usage,
                 "{}: the refined rig would take its place; name another with --refined-rig",
                 path->string());
@@ -198,8 +199,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   if (options.trajectory) {
     if (auto writable = check_writable(*options.trajectory); !writable) return writable;
-    if (std::filesystem::weakly_canonical(*options.trajectory) ==
-        std::filesystem::weakly_canonical(options.output)) {
+    if (is_same_file(*options.trajectory, options.output)) {
       return fail(ErrorKind::usage, "{}: named for both the map and the trajectory; name two files",
                   options.output.string());
     }
@@ -250,6 +250,12 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   if (options.level) {
     if (auto levelled = level_maps(*options.level, *table, result); !levelled) return levelled;
+  }
+  if (auto sound = check_map(result.map); !sound) {
+    return fail(ErrorKind::bad_data,
+                "{}: what was built can't be a map: {}; check the markers' sizes, the rig and the "
+                "detections; nothing written",
+                options.input.paths.front().string(), sound.error().message);
   }
   for (Finding& finding : build_findings(result, *table)) findings.push_back(std::move(finding));
   for (const Finding& finding : findings) {

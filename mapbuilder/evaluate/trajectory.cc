@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/check.h"
+#include "core/base/folder_walk.h"
 #include "core/base/text_field.h"
 #include "mapbuilder/build/output_paths.h"
 
@@ -27,13 +28,12 @@ std::optional<std::size_t> camera_number_of(const fs::path& path) {
 std::map<std::size_t, fs::path> camera_files_beside(const fs::path& path) {
   std::map<std::size_t, fs::path> files;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+  walk_folder<fs::directory_iterator>(folder, [&](const fs::directory_entry& entry) {
     const auto number = camera_number_of(entry.path());
-    if (!number) continue;
+    if (!number) return;
     const fs::path expected = path_of_camera(path, "cam" + std::to_string(*number));
     if (entry.path().filename() == expected.filename()) files.emplace(*number, expected);
-  }
+  });
   return files;
 }
 
@@ -88,7 +88,9 @@ Expected<Rigid3> rig_from_frame(const Trajectory& trajectory, const Rig* rig) {
 Expected<std::vector<Trajectory>> read_trajectories(const fs::path& path, std::size_t submap) {
   const fs::path named = of_submap(path, submap);
   std::vector<Trajectory> trajectories;
-  if (fs::exists(named)) {
+  std::error_code why;
+  // What can't be looked at is for the reader to say.
+  if (fs::status(named, why).type() != fs::file_type::not_found) {
     auto trajectory = read_one(named, camera_number_of(named));
     if (!trajectory) return tl::make_unexpected(trajectory.error());
     trajectories.push_back(*std::move(trajectory));
