@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "core/capture/pgm.h"
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
 #include "tests/support/room_capture.h"
@@ -101,6 +102,29 @@ TEST_F(ReplayCommand, SaysWhatIsWrong) {
   folder_.write("room.map", "no map");
   EXPECT_EQ(run("a.tum").error().kind, ErrorKind::bad_data);
   EXPECT_EQ(folder_.read("a.tum"), "");
+}
+
+/// Images alone: the detections are taken away.
+TEST_F(ReplayCommand, ImagesThatCanNotBeUsedAreSaid) {
+  std::filesystem::remove(folder_.path() / "detections.csv");
+  for (int i = 0; i < 20; ++i) {
+    for (std::size_t camera = 0; camera < room_.rig.cameras.size(); ++camera) {
+      folder_.write(fmt::format("{}/{}.pgm", room_.rig.cameras[camera].name, i * 50'000'000),
+                    i % 2 == 0 ? "" : "P5 3 3 255\n123456789");
+    }
+  }
+  const Status none = run("none.tum");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().kind, ErrorKind::bad_data);
+  EXPECT_NE(none.error().message.find("no image of"), std::string::npos) << none.error().message;
+  EXPECT_NE(none.error().message.find("the first: "), std::string::npos) << none.error().message;
+
+  const CameraParameters& camera = room_.rig.cameras[0].model.parameters();
+  folder_.write(fmt::format("{}/{}.pgm", room_.rig.cameras[0].name, 0),
+                encode_pgm(GrayImage(camera.width_px, camera.height_px).view()));
+  const Status some = run("some.tum");
+  ASSERT_TRUE(some) << some.error().message;
+  EXPECT_NE(notes_.str().find("images left out; the first: "), std::string::npos) << notes_.str();
 }
 
 }  // namespace
