@@ -40,6 +40,12 @@ std::filesystem::path lock_file(const DaemonOptions& options) {
   return options.runtime_folder / "locd.pid";
 }
 
+/// Held while this process has the state folder: what two wrote there would be neither's, whatever
+/// their runtime folders.
+std::filesystem::path state_lock_file(const DaemonOptions& options) {
+  return options.state_folder / "locd.lock";
+}
+
 /// nullopt, with a note, where the system does not tell of devices.
 std::optional<DeviceMonitor> open_device_monitor() {
   auto monitor = DeviceMonitor::open();
@@ -116,6 +122,8 @@ int run_daemon(const DaemonOptions& options) {
   if (!setup) return report_failure(setup.error());
   const auto lock = InstanceLock::take(lock_file(options));
   if (!lock) return report_failure(lock.error());
+  const auto state_lock = InstanceLock::take(state_lock_file(options));
+  if (!state_lock) return report_failure(state_lock.error());
   keep_heap(heap_needed(setup->rig));
   auto sources = make_sources(*setup);
   if (!sources) return report_failure(sources.error());

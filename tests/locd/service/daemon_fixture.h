@@ -82,9 +82,10 @@ class FakeSystemd {
 struct SimulatedClocks {
   Stamp wall_ahead = std::chrono::seconds(1'800'000'000);
   Stamp slept{0};
+  bool vouched_for = false;
 
   [[nodiscard]] ClockReading at(Stamp monotonic) const {
-    return {monotonic, monotonic + slept, monotonic + wall_ahead};
+    return {monotonic, monotonic + slept, monotonic + wall_ahead, vouched_for};
   }
 };
 
