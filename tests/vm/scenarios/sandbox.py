@@ -16,6 +16,8 @@ NotifyAccess=none
 WatchdogSec=0
 TimeoutStartSec=600
 Restart=no
+StandardOutput=truncate:/run/waymark-inside
+StandardError=inherit
 ExecReload=
 ExecStart=
 """
@@ -30,8 +32,7 @@ def run_inside(world, command, timeout_s=300):
                       "systemctl daemon-reload && systemctl reset-failed locd-inside 2>/dev/null; true")
     world.guest.run("systemctl start locd-inside", timeout_s)
     result = world.guest.check("systemctl show --value --property=Result locd-inside")
-    output = world.guest.check("journalctl -q -o cat -u locd-inside _SYSTEMD_INVOCATION_ID="
-                               "$(systemctl show --value --property=InvocationID locd-inside)")
+    output = world.guest.check("cat /run/waymark-inside")
     world.guest.check(f"rm {unit} && systemctl daemon-reload")
     return result, output
 
