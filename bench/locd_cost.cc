@@ -204,7 +204,7 @@ int measure_recording(Player& player, const MarkerMap& map, int sets, const std:
     const Stamp begun = monotonic_now();
     localizer.localize(*set, estimate);
     const Stamp done = monotonic_now();
-    if (records) recorder.offer(*set);
+    if (records) recorder.offer(*set, Stamp{0});
     if (i >= 0) times[records ? 1 : 0].push_back(done - begun);
   }
   recorded += end_of(recorder);

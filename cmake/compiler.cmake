@@ -19,6 +19,11 @@ if(CMAKE_BUILD_TYPE STREQUAL "Release")
   target_compile_definitions(waymark_warnings INTERFACE EIGEN_NO_DEBUG)
 endif()
 
+option(WAYMARK_FUZZ "a libFuzzer binary for each parser (clang)" OFF)
+if(WAYMARK_FUZZ)
+  add_compile_options(-fsanitize=fuzzer-no-link)
+endif()
+
 set(WAYMARK_SANITIZE "" CACHE STRING "address, undefined, thread, several with commas, or empty")
 if(WAYMARK_SANITIZE)
   add_compile_options(-fsanitize=${WAYMARK_SANITIZE} -fno-omit-frame-pointer)

@@ -87,7 +87,7 @@ int main(int argc, char** argv) {
   try {
     return waymark::run(argc, argv);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "locd: internal error: %s\n", error.what());
+    std::fprintf(stderr, "locd: internal error: %s\n", waymark::in_one_line(error.what()).c_str());
     return static_cast<int>(waymark::ErrorKind::internal);
   }
 }

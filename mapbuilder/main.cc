@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 
+#include "core/base/one_line.h"
 #include "core/base/range.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"
@@ -238,7 +239,8 @@ int main(int argc, char** argv) {
     std::fputs("mapbuilder: out of memory: use fewer captures at a time\n", stderr);
     return static_cast<int>(waymark::ErrorKind::unavailable);
   } catch (const std::exception& error) {
-    std::fprintf(stderr, "mapbuilder: internal error: %s; please report it\n", error.what());
+    std::fprintf(stderr, "mapbuilder: internal error: %s; please report it\n",
+                 waymark::in_one_line(error.what()).c_str());
     return static_cast<int>(waymark::ErrorKind::internal);
   }
 }

@@ -17,7 +17,9 @@ namespace fs = std::filesystem;
 
 /// As the path would be written without "." and a trailing slash.
 fs::path cleaned(const fs::path& path) {
-  const fs::path normal = fs::absolute(path).lexically_normal();
+  std::error_code failed;
+  const fs::path absolute = fs::absolute(path, failed);
+  const fs::path normal = (failed ? path : absolute).lexically_normal();
   return normal.has_filename() ? normal : normal.parent_path();
 }
 

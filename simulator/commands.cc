@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/range.h"
 #include "simulator/rig_library.h"
 #include "simulator/scene_library.h"
 
@@ -70,7 +71,7 @@ void add_render_command(CLI::App& app, RenderOptions& options) {
       ->capture_default_str();
   const auto tune = [render](const char* name, std::optional<double>& value, double low,
                              double high, const char* help) {
-    render->add_option(name, value, help)->check(CLI::Range(low, high));
+    render->add_option(name, value, help)->check(number_in({low, high}));
   };
   tune("--psf-sigma-px", options.psf_sigma_px, 0.3, 5, "Lens blur [0.7]");
   tune("--defocus-sigma-px", options.defocus_sigma_px, 0, 5, "Further blur, in quadrature [0]");
@@ -87,13 +88,13 @@ void add_detections_command(CLI::App& app, DetectionsOptions& options) {
       app.add_subcommand("detections", "True corners with noise and errors, without images");
   add_capture_options(*detections, options);
   const auto rate = [detections](const char* name, double& value, const char* help) {
-    detections->add_option(name, value, help)->check(CLI::Range(0.0, 1.0))->capture_default_str();
+    detections->add_option(name, value, help)->check(number_in({0, 1}))->capture_default_str();
   };
   const auto count = [detections](const char* name, int& value, const char* help) {
     detections->add_option(name, value, help)->check(CLI::Range(0, 10000))->capture_default_str();
   };
   detections->add_option("--noise-px", options.job.noise_px, "Gaussian, per axis of each corner")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(number_in({0, 10}))
       ->capture_default_str();
   rate("--miss-rate", options.job.miss_rate, "Share of visible markers not found");
   rate("--false-rate", options.job.false_rate, "Share of detections with a wrong id");
@@ -105,7 +106,7 @@ void add_detections_command(CLI::App& app, DetectionsOptions& options) {
       ->add_option(
           "--stamp-skew-ms", options.stamp_skew_ms,
           "Sigma by which cameras expose at another instant than the set's; the rig drives")
-      ->check(CLI::Range(0.0, 100.0))
+      ->check(number_in({0, 100}))
       ->capture_default_str();
 }
 

@@ -281,7 +281,7 @@ Expected<Scene> parse_scene(std::string_view text, const std::string& name) {
 }
 
 Expected<Scene> read_scene(const std::filesystem::path& path) {
-  const auto text = read_file(path, std::size_t{16} << 20U);
+  const auto text = read_file(path, kMaxTomlBytes);
   if (!text) return tl::make_unexpected(text.error());
   return parse_scene(*text, path.string());
 }

@@ -61,6 +61,7 @@ class FolderReader {
     // Told to people only.
     (void)fields.text("codec", "");
     (void)fields.text("software", "");
+    fields.allow("date_known");  // asked for by what deletes recordings for their age
     return fields.finish();
   }
 

@@ -31,7 +31,8 @@ struct CaptureFolder {
 
 /// Opens a capture folder in Waymark's layout. Other files are passed over, hidden ones silently.
 /// capture.toml, every key optional: clock = "realtime" | "monotonic", session = "…",
-/// sync_tolerance_us = 0…1000000 (default 5000), codec = "…", software = "…"; no other.
+/// sync_tolerance_us = 0…1000000 (default 5000), codec = "…", software = "…",
+/// date_known = true | false; no other.
 /// Errors: no_input (no such folder; no rig.yaml or markers.toml; neither images nor
 /// detections.csv), bad_data (a camK folder without an entry in rig.yaml, or the reverse; a name
 /// that is no stamp in a capture with several cameras or with other stamps; two images of one

@@ -29,7 +29,8 @@ class MapIndex {
   [[nodiscard]] bool quarantined(std::size_t index) const { return quarantined_[index] != 0; }
   void set_quarantined(std::size_t index, bool value) { quarantined_[index] = value ? 1 : 0; }
 
-  /// What detectors look for: the map's families. Ids that the map lacks are taken too, with the
+  /// What detectors look for: the map's families, also those that images don't show (their markers
+  /// come with detections of a capture's). Ids that the map lacks are taken too, with the
   /// family's most frequent size, so that a marker nobody mapped can be named.
   [[nodiscard]] MarkerCatalog catalog() const;
 

@@ -1,6 +1,8 @@
 #include "locd/publish/clock_offset.h"
 
+#include <sys/timex.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -11,6 +13,14 @@ Stamp read_clock(clockid_t clock) {
   timespec now{};
   ::clock_gettime(clock, &now);
   return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
+/// Whether a time service keeps the wall clock. The kernel tells, where a sandbox lets it be asked;
+/// systemd's own service tells by a file.
+bool is_vouched_for() {
+  timex clock{};
+  if (::adjtimex(&clock) != -1 && (clock.status & STA_UNSYNC) == 0) return true;
+  return ::access("/run/systemd/timesync/synchronized", F_OK) == 0;
 }
 
 Stamp wall_minus_monotonic(const ClockReading& reading) { return reading.wall - reading.monotonic; }
@@ -35,6 +45,7 @@ ClockReading read_clocks() {
       best = {before + best_span / 2, boottime, wall};
     }
   }
+  best.vouched_for = is_vouched_for();
   return best;
 }
 
@@ -74,5 +85,9 @@ std::int64_t ClockOffset::utime_us(Stamp stamp) const {
 }
 
 Stamp ClockOffset::error() const { return wall_minus_monotonic(last_) - offset_; }
+
+bool ClockOffset::date_known() const {
+  return last_.vouched_for && std::chrono::abs(error()) <= kDateTolerance;
+}
 
 }  // namespace waymark

@@ -8,9 +8,10 @@ namespace waymark {
 
 /// The machine's clocks at one instant.
 struct ClockReading {
-  Stamp monotonic{0};  ///< CLOCK_MONOTONIC: what stamps live on; stands still while suspended
-  Stamp boottime{0};   ///< CLOCK_BOOTTIME: the same, but runs while suspended
-  Stamp wall{0};       ///< CLOCK_REALTIME, since the epoch
+  Stamp monotonic{0};        ///< CLOCK_MONOTONIC: what stamps live on; stands still while suspended
+  Stamp boottime{0};         ///< CLOCK_BOOTTIME: the same, but runs while suspended
+  Stamp wall{0};             ///< CLOCK_REALTIME, since the epoch
+  bool vouched_for = false;  ///< a time service has set the wall clock and keeps it
 };
 
 /// Reads the three clocks as of one instant, as well as the scheduler lets it (tens of µs).
@@ -39,6 +40,9 @@ class ClockOffset {
   /// between, is a step: no disciplined clock moves so.
   static constexpr Stamp kStep = std::chrono::milliseconds(5);
   static constexpr double kMaxDrift_ppm = 1000;
+  /// Closer to a wall clock that is vouched for, utime is a date: what is kept for days is judged
+  /// by it.
+  static constexpr Stamp kDateTolerance = std::chrono::minutes(1);
   /// 2020-01-01: an earlier date is a clock without battery, not a date.
   static constexpr Stamp kEarliestDate = std::chrono::seconds(1'577'836'800);
 
@@ -56,6 +60,8 @@ class ClockOffset {
   [[nodiscard]] int steps() const { return steps_; }
   /// Wall clock minus utime.
   [[nodiscard]] Stamp error() const;
+  /// Whether utime surely is the date, now and of all this session's stamps.
+  [[nodiscard]] bool date_known() const;
 
  private:
   ClockReading last_;

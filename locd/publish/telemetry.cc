@@ -30,14 +30,15 @@ Telemetry::Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockRea
   signed_pose_.pose.reserve(kMaxPoseBytes);
 }
 
-void Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
+Stamp Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
   const std::lock_guard lock(mutex_);
   send_pose(estimate, now);
   latency_ms_[latencies_++ % kLatencies] = pose_.latency_ms;
-  if (!publish_detections_) return;
+  if (!publish_detections_) return clock_.offset();
   fill_detections(estimate, session_, clock_, detections_);
   detections_.seq = detection_messages_++;
   publisher_.publish(detections_channel_, detections_, now);
+  return clock_.offset();
 }
 
 void Telemetry::keep_alive(Stamp now, PoseReason why) {
@@ -149,6 +150,11 @@ std::int64_t Telemetry::utime_us(Stamp stamp) const {
 Stamp Telemetry::utime_offset() const {
   const std::lock_guard lock(mutex_);
   return clock_.offset();
+}
+
+bool Telemetry::date_known() const {
+  const std::lock_guard lock(mutex_);
+  return clock_.date_known();
 }
 
 }  // namespace waymark

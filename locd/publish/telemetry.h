@@ -28,8 +28,9 @@ class Telemetry {
   Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now,
             std::optional<MessageKey> key = std::nullopt);
 
-  /// Publishes the pose of a set (and its detections, where configured); allocates nothing.
-  void publish_pose(const PoseEstimate& estimate, Stamp now);
+  /// Publishes the pose of a set (and its detections, where configured); allocates nothing. Gives
+  /// what made its utime of its stamp.
+  Stamp publish_pose(const PoseEstimate& estimate, Stamp now);
   /// Publishes LOST when the last pose is old; `why` there is none.
   void keep_alive(Stamp now, PoseReason why);
   void publish_alert(const Alert& alert, const Rig& rig, bool several_families, Stamp now);
@@ -47,6 +48,8 @@ class Telemetry {
   [[nodiscard]] SessionFacts session() const;
   /// What utime adds to a stamp.
   [[nodiscard]] Stamp utime_offset() const;
+  /// Whether utime surely is the date.
+  [[nodiscard]] bool date_known() const;
   /// µs since the epoch of a stamp.
   [[nodiscard]] std::int64_t utime_us(Stamp stamp) const;
   /// Where messages go, how many did not, and why the last did not.

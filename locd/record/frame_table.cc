@@ -1,6 +1,5 @@
 #include "locd/record/frame_table.h"
 
-#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -9,11 +8,9 @@
 #include "core/base/atomic_file.h"
 #include "core/base/system_call.h"
 #include "core/base/text_field.h"
-#include "locd/record/folder_walk.h"
+#include "locd/record/recording_files.h"
 
 namespace waymark {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -21,15 +18,6 @@ constexpr std::string_view kHeader = "camera,t_ns,exposure_ns,sequence,stamp_qua
 
 std::uint64_t lines_of(std::string_view text) {
   return static_cast<std::uint64_t>(std::count(text.begin(), text.end(), '\n'));
-}
-
-/// What a process left that was killed while it rewrote the table.
-void remove_leftovers(const fs::path& table) {
-  const std::string hidden = "." + table.filename().string() + ".";
-  walk_folder<fs::directory_iterator>(table.parent_path(), [&](const fs::directory_entry& entry) {
-    std::error_code ignored;
-    if (entry.path().filename().string().starts_with(hidden)) fs::remove(entry, ignored);
-  });
 }
 
 /// Whether the row is of a kept image; its first fields are the camera and the stamp.
@@ -44,18 +32,21 @@ bool is_kept(std::string_view row, const FrameTable::Kept& kept) {
 
 }  // namespace
 
-Expected<FrameTable> FrameTable::open(const fs::path& path) {
-  remove_leftovers(path);
-  FrameTable table(path);
+FrameTable::FrameTable(OwnFolder recording)
+    : recording_(std::move(recording)), path_(recording_.path() / kFrameTable) {}
+
+Expected<FrameTable> FrameTable::open(const OwnFolder& recording) {
+  FrameTable table(recording);
   if (auto opened = table.open_file(); !opened) return tl::make_unexpected(opened.error());
   if (auto known = table.take_stock(); !known) return tl::make_unexpected(known.error());
   return table;
 }
 
 Status FrameTable::open_file() {
-  file_ = Descriptor(::open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666));
-  if (file_.valid()) return {};
-  return fail(creation_error(), "{}: can't create: {}", path_.string(), system_reason());
+  auto opened = recording_.open_to_append(kFrameTable);
+  if (!opened) return tl::make_unexpected(opened.error());
+  file_ = std::move(*opened);
+  return {};
 }
 
 Status FrameTable::take_stock() {
@@ -97,6 +88,7 @@ Status FrameTable::forget_all_but(const Kept& kept) {
     const std::string_view row = std::string_view(*text).substr(begin, end + 1 - begin);
     if (is_kept(row, kept)) remaining += row;
   }
+  if (auto ours = recording_.check_writable(kFrameTable); !ours) return ours;
   if (auto written = write_file_atomically(path_, remaining); !written) return written;
   if (auto opened = open_file(); !opened) return opened;
   bytes_ = remaining.size();

@@ -10,40 +10,66 @@
 
 #include "core/geometry/stamp.h"
 #include "core/map/quarantine.h"
+#include "locd/frames/back_off.h"
 
 namespace waymark {
 
 /// quarantine.json of the state folder, written in a thread of its own: a disk that stalls holds up
-/// nobody else.
+/// nobody else, and one that fails is tried again until it takes what is to be written. A file that
+/// can't be used is set aside, never overwritten.
 class QuarantineFile {
  public:
   explicit QuarantineFile(std::filesystem::path path) : path_(std::move(path)) {}
-  /// Waits for what is not written yet.
+  /// Tries once more to write what is not written yet, and waits for that.
   ~QuarantineFile();
   QuarantineFile(const QuarantineFile&) = delete;
   QuarantineFile& operator=(const QuarantineFile&) = delete;
 
-  /// What is distrusted of that map, by the file or by what is yet to be written to it.
-  [[nodiscard]] std::vector<QuarantinedMarker> of_map(const std::string& map_hash) const;
+  /// What is distrusted of that map, by the file or by what is yet to be written to it. A file that
+  /// is damaged, unreadable or of a newer locd is renamed to quarantine.json.damaged.
+  [[nodiscard]] std::vector<QuarantinedMarker> of_map(const std::string& map_hash);
 
   /// Has it written, in place of what was not written yet.
   void write(Quarantine quarantine);
-  /// Of the last write, when it failed; once.
-  [[nodiscard]] std::optional<Error> take_failure();
-  /// Waits until all is written or has failed; false when it is not at `deadline`.
-  [[nodiscard]] bool settle(Stamp deadline) const;
+
+  /// What is wrong with it, for as long as it is; empty: nothing.
+  [[nodiscard]] std::string trouble() const;
+  struct News {
+    std::string text;
+    bool wrong = false;
+  };
+  /// What went wrong with it, or is well again, since the last call.
+  [[nodiscard]] std::vector<News> take_news();
+
+  /// Tries at once, where it waits to try again. Returns when all is written or has failed; false
+  /// when neither is so at `deadline`.
+  [[nodiscard]] bool settle(Stamp deadline);
 
  private:
   void run();
+  /// Waits until something is to be written now; false: nothing will be.
+  [[nodiscard]] bool wait_for_work(std::unique_lock<std::mutex>& lock);
+  [[nodiscard]] Status replace_by(const Quarantine& quarantine);
+  /// The file's content; nullopt: none, or none that can be used, which is then set aside. Errors:
+  /// those of setting it aside.
+  [[nodiscard]] Expected<std::optional<Quarantine>> read_or_set_aside();
+  [[nodiscard]] Status set_aside(const Error& why);
+  void tell_failure(const Status& written);
 
   const std::filesystem::path path_;
+  std::mutex disk_;           ///< of the file; held while the disk works
   mutable std::mutex mutex_;  ///< of everything below
   mutable std::condition_variable changed_;
   std::optional<Quarantine> newest_;  ///< not on the disk yet
   bool due_ = false;                  ///< newest_ is to be written
   bool writing_ = false;
+  bool hurry_ = false;  ///< the next attempt does not wait for its time
   bool ending_ = false;
-  std::optional<Error> failure_;
+  BackOff pauses_;
+  Stamp next_attempt_{0};
+  std::string damage_;   ///< what was set aside, until the program ends
+  std::string failure_;  ///< of the last attempt to write
+  std::vector<News> news_;
   std::thread thread_;
 };
 

@@ -54,7 +54,8 @@ void Recorder::set_budget(const RecordingBudget& budget) {
   next_budget_ = budget;
 }
 
-void Recorder::adopt_next_budget(RecordingFolder& folder) {
+void Recorder::adopt_news(RecordingFolder& folder) {
+  folder.set_date_known(date_known_);
   const std::lock_guard lock(mutex_);
   if (next_budget_) folder.set_budget(*next_budget_);
   next_budget_.reset();
@@ -67,9 +68,10 @@ bool Recorder::settle(Stamp deadline) const {
   });
 }
 
-void Recorder::offer(const FrameSetLease& set) {
+void Recorder::offer(const FrameSetLease& set, Stamp utime_offset) {
   const auto slot = take_free_slot();
   if (!slot) return;
+  slots_[*slot].utime_offset = utime_offset;
   // Listed neither as free nor as filled, so nobody else touches it.
   copy(set, slots_[*slot]);
   {
@@ -113,14 +115,22 @@ void Recorder::copy(const FrameSetLease& set, Slot& slot) {
 
 void Recorder::run(const std::filesystem::path& path, const RecordingFacts& facts) {
   name_thread("recorder");
-  auto folder = open_folder(path, facts, options_.budget);
-  if (!folder) return end(tl::make_unexpected(folder.error()));
-  begin(*folder, facts.cameras.size());
-  end(record(*folder));
+  Status how;
+  {
+    auto folder = open_folder(path, facts, options_.budget);
+    if (folder) {
+      begin(*folder, facts.cameras.size());
+      how = record(*folder);
+    } else {
+      how = tl::make_unexpected(folder.error());
+    }
+    // Closed before the end is told: who starts the next recording waits for nothing.
+  }
+  end(how);
 }
 
 void Recorder::begin(const RecordingFolder& folder, std::size_t cameras) {
-  std::vector<Slot> slots(kSlots, Slot{0, std::vector<Image>(cameras)});
+  std::vector<Slot> slots(kSlots, Slot{0, Stamp{0}, std::vector<Image>(cameras)});
   for (Slot& slot : slots) {
     for (std::size_t c = 0; c < options_.pixels.size(); ++c) {
       // Written, for pages come with the first write: not while a pose is under way.
@@ -144,20 +154,31 @@ Status Recorder::record(RecordingFolder& folder) {
   Stamp sync_due = monotonic_now() + kSyncPeriod;
   Status good;
   for (bool done = false; good && !done;) {
-    if (const auto slot = next_filled_slot(sync_due, done)) {
-      adopt_next_budget(folder);
-      good = write(folder, slots_[*slot]);
+    const auto slot = next_filled_slot(sync_due, done);
+    adopt_news(folder);
+    if (slot) {
+      const auto written = write(folder, slots_[*slot]);
+      if (!written) good = tl::make_unexpected(written.error());
       const std::lock_guard lock(mutex_);
       free_.push_back(*slot);
-      state_.sets = folder.sets();
-      state_.bytes = folder.bytes();
+      if (written && !*written) ++state_.drops;
     }
     if (good && (done || monotonic_now() >= sync_due)) {
       good = folder.sync();
       sync_due = monotonic_now() + kSyncPeriod;
     }
+    leave_word(folder);
   }
   return good;
+}
+
+void Recorder::leave_word(RecordingFolder& folder) {
+  const bool known = folder.knows_what_was_there();
+  std::vector<std::string> notes = known ? folder.take_notes() : std::vector<std::string>{};
+  const std::lock_guard lock(mutex_);
+  state_.sets = folder.sets();
+  state_.bytes = folder.bytes();
+  notes_.insert(notes_.end(), notes.begin(), notes.end());
 }
 
 std::optional<std::size_t> Recorder::next_filled_slot(Stamp sync_due, bool& done) {
@@ -186,7 +207,7 @@ void Recorder::end(const Status& how) {
   changed_.notify_all();
 }
 
-Status Recorder::write(RecordingFolder& folder, const Slot& slot) {
+Expected<bool> Recorder::write(RecordingFolder& folder, const Slot& slot) {
   std::vector<RecordedImage> images;
   for (std::size_t c = 0; c < slot.images.size(); ++c) {
     if ((slot.cameras & camera_bit(c)) == 0) continue;
@@ -201,15 +222,22 @@ Status Recorder::write(RecordingFolder& folder, const Slot& slot) {
       encoded_[c] = encode_pgm(view);
     }
     FrameInfo info = image.info;
-    info.stamp += options_.name_offset;
+    info.stamp += slot.utime_offset;
     images.push_back({c, info, encoded_[c]});
   }
-  return images.empty() ? Status{} : folder.write_set(images);
+  return images.empty() ? Expected<bool>(true) : folder.write_set(images);
 }
 
 Recorder::State Recorder::state() const {
   const std::lock_guard lock(mutex_);
   return state_;
+}
+
+std::vector<std::string> Recorder::take_notes() {
+  std::vector<std::string> taken;
+  const std::lock_guard lock(mutex_);
+  taken.swap(notes_);
+  return taken;
 }
 
 }  // namespace waymark

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <optional>
 #include <string>
 #include <thread>
@@ -17,8 +18,6 @@ struct RecorderOptions {
   int jpeg_quality = 95;  ///< 1…100
   int every_nth = 1;
   RecordingBudget budget;
-  /// Added to stamps in names: wall clock minus CLOCK_MONOTONIC when the recording began.
-  Stamp name_offset{0};
   /// Pixels of each camera's image, so that memory is there before the first set comes.
   std::vector<std::size_t> pixels;
 };
@@ -49,11 +48,14 @@ class Recorder {
   void stop();
   /// What the recording may take from its next set on.
   void set_budget(const RecordingBudget& budget);
+  /// Whether the system vouches for the clock now.
+  void set_date_known(bool known) { date_known_ = known; }
   /// Waits while it starts or stops; false when it still does at `deadline`.
   [[nodiscard]] bool settle(Stamp deadline) const;
 
-  /// Takes every nth set's images; without a recording, nothing happens. Any one thread.
-  void offer(const FrameSetLease& set);
+  /// Takes every nth set's images; without a recording, nothing happens. `utime_offset` makes of
+  /// their stamps the dates in their names: what made the set's utime. Any one thread.
+  void offer(const FrameSetLease& set, Stamp utime_offset);
 
   struct State {
     Phase phase = Phase::idle;
@@ -61,12 +63,14 @@ class Recorder {
     std::uint64_t begun = 0;       ///< recordings since the start of the program
     std::uint64_t sets = 0;        ///< in the folder
     std::uint64_t bytes = 0;       ///< in the folder
-    std::uint64_t drops = 0;       ///< sets not taken since the start of the program
+    std::uint64_t drops = 0;       ///< sets not written since the start of the program
     std::optional<Error> failure;  ///< that ended the last recording, or kept it from beginning
     /// Whether the folder still grows.
     [[nodiscard]] bool running() const { return phase != Phase::idle && !folder.empty(); }
   };
   [[nodiscard]] State state() const;
+  /// What of earlier recordings can't be deleted, and why: a line each, told once.
+  [[nodiscard]] std::vector<std::string> take_notes();
 
  private:
   struct Image {
@@ -77,6 +81,7 @@ class Recorder {
   };
   struct Slot {
     CameraMask cameras = 0;
+    Stamp utime_offset{0};
     std::vector<Image> images;  ///< per camera
   };
 
@@ -87,8 +92,10 @@ class Recorder {
   void end(const Status& how);
   /// The next set to write: nullopt when a sync is due or, as `done` tells, none will come.
   [[nodiscard]] std::optional<std::size_t> next_filled_slot(Stamp sync_due, bool& done);
-  [[nodiscard]] Status write(RecordingFolder& folder, const Slot& slot);
-  void adopt_next_budget(RecordingFolder& folder);
+  /// False: there is no room for it yet.
+  [[nodiscard]] Expected<bool> write(RecordingFolder& folder, const Slot& slot);
+  void adopt_news(RecordingFolder& folder);
+  void leave_word(RecordingFolder& folder);
   [[nodiscard]] std::optional<std::size_t> take_free_slot();
   static void copy(const FrameSetLease& set, Slot& slot);
 
@@ -102,6 +109,8 @@ class Recorder {
   bool stopping_ = false;
   std::uint64_t offered_ = 0;
   State state_;
+  std::vector<std::string> notes_;
+  std::atomic<bool> date_known_{false};
   std::vector<std::string> encoded_;  ///< the recorder's thread only
   std::thread thread_;
 };

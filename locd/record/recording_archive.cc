@@ -4,23 +4,14 @@
 #include <array>
 #include <cerrno>
 #include <ctime>
-#include <string>
 #include <utility>
 
-#include "core/base/atomic_file.h"
 #include "core/base/system_call.h"
-#include "core/base/text_field.h"
-#include "locd/record/folder_walk.h"
+#include "locd/frames/realtime.h"
 
 namespace waymark {
 
 namespace fs = std::filesystem;
-
-bool recorded_by_locd(const fs::path& capture) {
-  constexpr std::size_t kMaxBytes = 1 << 16;
-  const auto facts = read_file(capture / "capture.toml", kMaxBytes);
-  return facts && ("\n" + *facts).find(std::string("\n") + kRecordedByLocd) != std::string::npos;
-}
 
 Expected<fs::path> new_recording_folder(const fs::path& archive) {
   const std::time_t now = std::time(nullptr);
@@ -40,36 +31,87 @@ Expected<fs::path> new_recording_folder(const fs::path& archive) {
   return fail(creation_error(), "{}: can't create: {}", folder.string(), system_reason());
 }
 
-RecordingArchive::RecordingArchive(const fs::path& folder, const fs::path& own) {
-  walk_folder<fs::directory_iterator>(folder, [&](const fs::directory_entry& entry) {
-    std::error_code unknown;
-    const bool is_own = fs::equivalent(entry.path(), own, unknown);
-    if (unknown || is_own || entry.is_symlink(unknown) || !recorded_by_locd(entry.path())) return;
-    recordings_.push_back(weigh(entry.path()));
-    bytes_ += recordings_.back().bytes;
+namespace {
+
+/// The recordings of an archive but for one, weighed.
+std::deque<RecordingOnDisk> others_in(const OwnFolder& archive, const OwnFolder& own,
+                                      Stamp tolerance, const std::atomic<bool>& enough) {
+  std::deque<RecordingOnDisk> recordings;
+  archive.each_name([&](const std::string& name) {
+    if (enough) return;
+    const auto folder = archive.folder(name);
+    if (!folder || folder->is_same_as(own)) return;
+    auto recording = RecordingOnDisk::find(archive, name);
+    if (!recording) return;
+    recording->weigh(tolerance, enough);
+    recording->close();
+    recordings.push_back(std::move(*recording));
   });
-  std::sort(recordings_.begin(), recordings_.end(),
-            [](const auto& a, const auto& b) { return a.newest < b.newest; });
+  std::sort(recordings.begin(), recordings.end(),
+            [](const auto& a, const auto& b) { return a.newest() < b.newest(); });
+  return recordings;
 }
 
-RecordingArchive::Recording RecordingArchive::weigh(const fs::path& path) {
-  Recording recording{path, 0, Stamp{0}};
-  walk_folder<fs::recursive_directory_iterator>(path, [&](const fs::directory_entry& file) {
-    std::error_code gone;
-    if (!file.is_regular_file(gone)) return;
-    const auto bytes = file.file_size(gone);
-    if (!gone) recording.bytes += bytes;
-    const auto t_ns = parse_whole<std::int64_t>(file.path().stem().string());
-    if (t_ns) recording.newest = std::max(recording.newest, Stamp(*t_ns));
+}  // namespace
+
+RecordingArchive::RecordingArchive(const std::optional<OwnFolder>& archive, const OwnFolder& own,
+                                   RecordingOnDisk part, Stamp tolerance) {
+  look_ = std::make_unique<Look>();
+  look_->found = std::async(std::launch::async, [archive, own, tolerance, part = std::move(part),
+                                                 &enough = look_->enough]() mutable {
+    name_thread("archive");
+    auto recordings =
+        archive ? others_in(*archive, own, tolerance, enough) : std::deque<RecordingOnDisk>{};
+    part.weigh(tolerance, enough);
+    recordings.push_back(std::move(part));
+    return recordings;
   });
-  return recording;
 }
 
-void RecordingArchive::delete_oldest() {
-  std::error_code ignored;  // what stays is found again by the next recording
-  fs::remove_all(recordings_.front().path, ignored);
-  bytes_ -= recordings_.front().bytes;
-  recordings_.pop_front();
+bool RecordingArchive::is_known() {
+  if (look_ == nullptr) return true;
+  if (look_->found.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return false;
+  Recordings found = look_->found.get();
+  look_.reset();
+  for (RecordingOnDisk& recording : found) {
+    take_note(recording);
+    if (recording.bytes() == 0) continue;
+    bytes_ += recording.bytes();
+    recordings_.push_back(std::move(recording));
+  }
+  return true;
 }
+
+const RecordingOnDisk* RecordingArchive::earlier_part() const {
+  return !recordings_.empty() && recordings_.back().is_part() ? &recordings_.back() : nullptr;
+}
+
+std::uint64_t RecordingArchive::delete_oldest_set() {
+  return delete_oldest_set_of(recordings_.begin());
+}
+
+std::optional<std::uint64_t> RecordingArchive::delete_outdated_set(Stamp limit) {
+  const auto outdated = std::find_if(recordings_.begin(), recordings_.end(), [&](const auto& r) {
+    return r.dated() && r.oldest() < limit;
+  });
+  if (outdated == recordings_.end()) return std::nullopt;
+  return delete_oldest_set_of(outdated);
+}
+
+std::uint64_t RecordingArchive::delete_oldest_set_of(Recordings::iterator recording) {
+  const std::uint64_t before = recording->bytes();
+  const std::uint64_t made = recording->delete_oldest_set();
+  bytes_ -= before;
+  bytes_ += recording->bytes();
+  take_note(*recording);
+  if (recording->bytes() == 0) recordings_.erase(recording);
+  return made;
+}
+
+void RecordingArchive::take_note(RecordingOnDisk& recording) {
+  if (std::string note = recording.take_note(); !note.empty()) notes_.push_back(std::move(note));
+}
+
+std::vector<std::string> RecordingArchive::take_notes() { return std::exchange(notes_, {}); }
 
 }  // namespace waymark

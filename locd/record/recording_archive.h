@@ -1,51 +1,77 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <future>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "core/base/error.h"
 #include "core/geometry/stamp.h"
+#include "locd/record/own_folder.h"
+#include "locd/record/recording_on_disk.h"
 
 namespace waymark {
-
-/// How the line of capture.toml begins by which locd knows its own recordings.
-inline constexpr const char* kRecordedByLocd = "software = \"waymark locd ";
-
-/// Whether locd recorded what lies in `capture`. What it did not record it neither goes on with nor
-/// deletes.
-[[nodiscard]] bool recorded_by_locd(const std::filesystem::path& capture);
 
 /// Creates a folder for another recording, named by the date (UTC) so that names sort by age.
 /// Errors: cant_create, permission.
 [[nodiscard]] Expected<std::filesystem::path> new_recording_folder(
     const std::filesystem::path& archive);
 
-/// The other recordings of a folder, which share a budget with the one that is being made: the one
-/// whose newest image is oldest goes first.
+/// What was recorded earlier and shares a budget with the recording that is being made: the other
+/// recordings of its archive, that whose newest image is oldest first, and then what its own folder
+/// held before. It is looked through in a thread of its own, for that takes long where much lies on
+/// a slow disk; until then nothing of it is deleted.
 class RecordingArchive {
  public:
+  /// One without recordings.
   RecordingArchive() = default;
-  /// Recordings in `folder` but for `own`; what can't be listed is left alone.
-  RecordingArchive(const std::filesystem::path& folder, const std::filesystem::path& own);
+  /// `archive`: the folder of others; nullopt: there are none. `part`: what the folder of the
+  /// recording that is being made, `own`, holds already. Images within `tolerance` are a set. What
+  /// can't be listed is left alone.
+  RecordingArchive(const std::optional<OwnFolder>& archive, const OwnFolder& own,
+                   RecordingOnDisk part, Stamp tolerance);
 
+  /// Whether all of it has been looked at. Waits for nothing.
+  [[nodiscard]] bool is_known();
+
+  // Nothing, until it is known:
+
+  /// On the disk, of what may be deleted.
   [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
   [[nodiscard]] bool empty() const { return recordings_.empty(); }
-  /// Of the newest image of the recording that goes first.
-  [[nodiscard]] Stamp oldest() const { return recordings_.front().newest; }
-  /// Deletes the recording that goes first.
-  void delete_oldest();
+  /// What is left of what the own folder held before; nullptr: nothing.
+  [[nodiscard]] const RecordingOnDisk* earlier_part() const;
+  /// Deletes the set that goes first; gives what that gave back.
+  std::uint64_t delete_oldest_set();
+  /// Deletes a set that is older than `limit`, of recordings whose stamps are dates; nullopt: there
+  /// is none.
+  std::optional<std::uint64_t> delete_outdated_set(Stamp limit);
+  /// What can't be deleted, and why: a line per recording, each told once.
+  [[nodiscard]] std::vector<std::string> take_notes();
 
  private:
-  struct Recording {
-    std::filesystem::path path;
-    std::uint64_t bytes = 0;
-    Stamp newest{0};
+  using Recordings = std::deque<RecordingOnDisk>;
+  /// The thread that looks; ended by its destructor.
+  struct Look {
+    std::atomic<bool> enough{false};
+    std::future<Recordings> found;
+    Look() = default;
+    Look(const Look&) = delete;
+    Look& operator=(const Look&) = delete;
+    ~Look() { enough = true; }
   };
-  [[nodiscard]] static Recording weigh(const std::filesystem::path& path);
+  std::uint64_t delete_oldest_set_of(Recordings::iterator recording);
+  void take_note(RecordingOnDisk& recording);
 
-  std::deque<Recording> recordings_;
+  std::unique_ptr<Look> look_;
+  Recordings recordings_;  ///< the one that goes first, first
   std::uint64_t bytes_ = 0;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace waymark

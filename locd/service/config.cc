@@ -189,7 +189,7 @@ class ConfigReader {
   void read_record(const toml::table* table) {
     in_block(table, [&](TomlFields& f) {
       Config::Record& record = config_.record;
-      record.dir = file(f, "dir", record.dir);
+      record.dir = file(f, "dir", {});
       record.jpeg = f.choice("codec", {"pgm", "jpeg"}, 0) == 1;
       record.every_nth = f.integer("every_nth", 1, 1'000'000, record.every_nth);
       record.max_bytes = bytes(f, "max_bytes", 1e6, record.max_bytes);

@@ -64,9 +64,9 @@ struct Config {
   LcmOptions lcm;
 
   struct Record {
-    std::filesystem::path dir = "/var/lib/locd/recordings";
-    bool jpeg = false;  ///< codec = "jpeg", else "pgm"
-    int every_nth = 1;  ///< one of so many frame sets
+    std::filesystem::path dir;  ///< empty: recordings in the state folder
+    bool jpeg = false;          ///< codec = "jpeg", else "pgm"
+    int every_nth = 1;          ///< one of so many frame sets
     std::uint64_t max_bytes = 10'000'000'000;
     double keep_s = 7 * 86400.0;                   ///< s, older sets are deleted
     std::uint64_t min_free_bytes = 1'000'000'000;  ///< left free on the file system

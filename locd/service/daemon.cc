@@ -9,6 +9,7 @@
 #include <future>
 #include <thread>
 
+#include "core/base/notes.h"
 #include "core/map/quarantine.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
@@ -33,7 +34,7 @@ constexpr Stamp kStuck = std::chrono::seconds(3);
 /// A camera's first start takes less, or is held up: what is wrong with it is then not known yet.
 constexpr Stamp kFirstStart = std::chrono::seconds(2);
 
-MapInUse map_in_use(const Setup& setup, const QuarantineFile& quarantine) {
+MapInUse map_in_use(const Setup& setup, QuarantineFile& quarantine) {
   MapInUse map;
   map.time_budget =
       std::chrono::microseconds(std::llround(setup.config.solve.time_budget_ms * 1e3));
@@ -83,7 +84,9 @@ struct Daemon::Parts {
         telemetry(setup.config.lcm, session_of(setup, map), options.read_clocks(), setup.key),
         capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
         localization(capture, telemetry, std::move(map),
-                     [this](const FrameSetLease& set) { recorder.offer(set); }),
+                     [this](const FrameSetLease& set, Stamp utime_offset) {
+                       recorder.offer(set, utime_offset);
+                     }),
         report(setup.rig) {}
 
   DaemonOptions options;
@@ -94,8 +97,11 @@ struct Daemon::Parts {
   Telemetry telemetry;
   RigCapture capture;
   Recorder recorder;
-  RecordingControl recordings{recorder,
-                              [this] { return plan_recording(setup, telemetry, options.version); }};
+  RecordingControl recordings{recorder, [this] {
+                                return plan_recording(setup, telemetry,
+                                                      options.state_folder / "recordings",
+                                                      options.version);
+                              }};
   LocalizationThread localization;
   StatusReport report;
   LinkWatch link;
@@ -105,8 +111,6 @@ struct Daemon::Parts {
   status_t status{};
   std::vector<RigCapture::CameraState> cameras;
   std::string reload_refused;
-  std::uint64_t recordings_told = 0;  ///< that they began
-  bool end_told = true;
   std::optional<Error> refusal;
   Stamp started{0};
   Stamp last_status{0};
@@ -124,7 +128,6 @@ struct Daemon::Parts {
   void feed_watchdog(Stamp now);
   void keep_quarantine(Stamp now);
   void look_at_recorder(Stamp now);
-  Status record_from_the_start(const std::filesystem::path& folder);
   Status swap(Setup next);
 };
 
@@ -154,12 +157,13 @@ int Daemon::control_descriptor() const {
 
 Status Daemon::start() {
   Parts& p = *parts_;
-  for (const std::string& note : p.setup.notes) p.log.note(note);
+  for (const std::string& note : shown_notes(p.setup.notes)) p.log.note(note);
   auto control = ControlSocket::open(p.options.runtime_folder / "control");
   if (!control) return tl::make_unexpected(control.error());
   p.control.emplace(std::move(*control));
   if (p.options.record) {
-    if (auto recording = p.record_from_the_start(*p.options.record); !recording) return recording;
+    if (auto recording = p.recordings.record_from_the_start(*p.options.record); !recording)
+      return recording;
   }
   p.started = p.last_status = monotonic_now();
   const Config::Service& service = p.setup.config.service;
@@ -248,6 +252,9 @@ void Daemon::Parts::publish_status(Stamp now) {
   status.recorder_drops = static_cast<std::int64_t>(recording.drops);
   status.map_hash = telemetry.session().map_hash;
   status.text = StatusReport::text(status);
+  if (const auto trouble = quarantine_file->trouble(); !trouble.empty()) {
+    status.text += "; " + trouble;
+  }
   telemetry.publish_status(status, now);
   look_at_link(now);
   // Whoever asks systemd can't hear that nothing is heard.
@@ -267,8 +274,9 @@ void Daemon::Parts::look_at_link(Stamp now) {
 }
 
 void Daemon::Parts::keep_quarantine(Stamp now) {
-  if (const auto failure = quarantine_file->take_failure()) {
-    log.event("QUARANTINE", failure->message, now);
+  for (const QuarantineFile::News& news : quarantine_file->take_news()) {
+    telemetry.publish_alert("QUARANTINE", "", news.text, news.wrong, now);
+    log.event(news.text, news.text, now);
   }
   auto markers = localization.take_quarantine();
   if (!markers) return;
@@ -283,35 +291,11 @@ void Daemon::Parts::keep_quarantine(Stamp now) {
 }
 
 void Daemon::Parts::look_at_recorder(Stamp now) {
-  const Recorder::State state = recorder.state();
-  const std::string folder = state.folder.string();
-  const auto tell = [&](const std::string& text, bool wrong) {
-    telemetry.publish_alert("RECORDING", folder, text, wrong, now);
-    log.event(wrong ? "RECORDING" : text, text, now);
-  };
-  if (state.begun != recordings_told) {
-    recordings_told = state.begun;
-    end_told = false;
-    constexpr const char* kNoMarkers =
-        " without markers.toml: mapbuilder reads it once one of the markers' families and sizes is "
-        "copied there; set [record] markers to such a file for recordings to have it";
-    tell("recording to " + folder + (setup.markers_toml.empty() ? kNoMarkers : ""), false);
+  recorder.set_date_known(telemetry.date_known());
+  for (const RecordingNews& news : recordings.take_news()) {
+    telemetry.publish_alert("RECORDING", news.folder, news.text, news.wrong, now);
+    log.event(news.wrong ? "RECORDING" : news.text, news.text, now);
   }
-  if (end_told || state.phase != Recorder::Phase::idle) return;
-  end_told = true;
-  tell("recording ended: " + (state.failure ? state.failure->message : folder),
-       state.failure.has_value());
-}
-
-Status Daemon::Parts::record_from_the_start(const std::filesystem::path& folder) {
-  RecordingPlan plan = plan_recording(setup, telemetry, options.version);
-  if (folder.parent_path() != plan.facts.archive) plan.facts.archive.clear();
-  recorder.start(folder, plan.facts, plan.options);
-  if (!recorder.settle(monotonic_now() + RecordingControl::kPatience)) {
-    return fail(ErrorKind::io, "{}: can't record here: the disk does not answer", folder.string());
-  }
-  const auto failure = recorder.state().failure;
-  return failure ? tl::make_unexpected(*failure) : Status{};
 }
 
 void Daemon::Parts::feed_watchdog(Stamp now) {

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "core/base/notes.h"
 #include "drivers/device_monitor.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
@@ -37,6 +38,12 @@ int signals_as_descriptor() {
 
 std::filesystem::path lock_file(const DaemonOptions& options) {
   return options.runtime_folder / "locd.pid";
+}
+
+/// Held while this process has the state folder: what two wrote there would be neither's, whatever
+/// their runtime folders.
+std::filesystem::path state_lock_file(const DaemonOptions& options) {
+  return options.state_folder / "locd.lock";
 }
 
 /// nullopt, with a note, where the system does not tell of devices.
@@ -115,6 +122,8 @@ int run_daemon(const DaemonOptions& options) {
   if (!setup) return report_failure(setup.error());
   const auto lock = InstanceLock::take(lock_file(options));
   if (!lock) return report_failure(lock.error());
+  const auto state_lock = InstanceLock::take(state_lock_file(options));
+  if (!state_lock) return report_failure(state_lock.error());
   keep_heap(heap_needed(setup->rig));
   auto sources = make_sources(*setup);
   if (!sources) return report_failure(sources.error());
@@ -131,7 +140,9 @@ Status check_configuration(const DaemonOptions& options) {
   if (!setup) return tl::make_unexpected(setup.error());
   const auto sources = make_sources(*setup);
   if (!sources) return tl::make_unexpected(sources.error());
-  for (const std::string& note : setup->notes) fmt::print(stderr, "note: {}\n", note);
+  for (const std::string& note : shown_notes(setup->notes)) {
+    fmt::print(stderr, "note: {}\n", note);
+  }
   fmt::print("{}\n", describe_route(*parse_lcm_url(setup->config.lcm.url)));
   if (setup->key)
     fmt::print("poses are signed with {}\n", in_one_line(setup->config.lcm.key_file.string()));

@@ -31,9 +31,11 @@ Expected<InstanceLock> InstanceLock::take(const std::filesystem::path& file) {
   std::filesystem::create_directories(file.parent_path(), ignored);
   Descriptor opened(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644));
   if (!opened.valid()) {
-    return fail(creation_error(),
-                "{}: can't create: {}; run as the service does, or set RUNTIME_DIRECTORY",
-                file.string(), system_reason());
+    return fail(
+        creation_error(),
+        "{}: can't create: {}; systemctl start locd runs it as the service; by hand, it needs a "
+        "RUNTIME_DIRECTORY and a STATE_DIRECTORY of its own",
+        file.string(), system_reason());
   }
   if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
     return fail(ErrorKind::unavailable,

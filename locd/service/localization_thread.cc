@@ -12,7 +12,7 @@ constexpr Stamp kTurn = std::chrono::milliseconds(100);
 }  // namespace
 
 LocalizationThread::LocalizationThread(RigCapture& capture, Telemetry& telemetry, MapInUse map,
-                                       std::function<void(const FrameSetLease&)> after_set)
+                                       std::function<void(const FrameSetLease&, Stamp)> after_set)
     : capture_(capture),
       telemetry_(telemetry),
       after_set_(std::move(after_set)),
@@ -41,10 +41,11 @@ void LocalizationThread::run() {
   while (!stopping_) {
     auto set = capture_.wait(monotonic_now() + kTurn);
     adopt_next_map();
+    utime_offset_.reset();
     if (set) begin_work();
     const bool localized = set && pacer_.admit(set->mean_stamp()) && localize(*set);
     leave_word(set.has_value(), localized);
-    if (set) after_set_(*set);
+    if (set) after_set_(*set, utime_offset_ ? *utime_offset_ : telemetry_.utime_offset());
   }
 }
 
@@ -52,7 +53,7 @@ bool LocalizationThread::localize(const FrameSetLease& set) {
   const Stamp begun = monotonic_now();
   if (begun - set.mean_stamp() > map_.time_budget) {
     lose(set, PoseReason::overload);
-    telemetry_.publish_pose(estimate_, begun);
+    utime_offset_ = telemetry_.publish_pose(estimate_, begun);
     const std::lock_guard lock(mutex_);
     ++counts_.late;
     return false;
@@ -64,7 +65,7 @@ bool LocalizationThread::localize(const FrameSetLease& set) {
     lose(set, PoseReason::no_map);
   }
   const Stamp done = monotonic_now();
-  telemetry_.publish_pose(estimate_, done);
+  utime_offset_ = telemetry_.publish_pose(estimate_, done);
   pacer_.finished(done - begun);
   return true;
 }

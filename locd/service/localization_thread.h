@@ -30,9 +30,10 @@ struct MapInUse {
 /// has to tell besides poses is left for others to fetch.
 class LocalizationThread {
  public:
-  /// Takes sets of `capture`; hands each to `after_set` when its pose is out (the recorder).
+  /// Takes sets of `capture`; hands each to `after_set` when its pose is out (the recorder), with
+  /// what made the pose's utime of its stamp.
   LocalizationThread(RigCapture& capture, Telemetry& telemetry, MapInUse map,
-                     std::function<void(const FrameSetLease&)> after_set);
+                     std::function<void(const FrameSetLease&, Stamp utime_offset)> after_set);
   ~LocalizationThread();
   LocalizationThread(const LocalizationThread&) = delete;
   LocalizationThread& operator=(const LocalizationThread&) = delete;
@@ -69,9 +70,10 @@ class LocalizationThread {
 
   RigCapture& capture_;
   Telemetry& telemetry_;
-  std::function<void(const FrameSetLease&)> after_set_;
+  std::function<void(const FrameSetLease&, Stamp utime_offset)> after_set_;
   MapInUse map_;
   PoseEstimate estimate_;
+  std::optional<Stamp> utime_offset_;  ///< of the set's pose; nullopt: it has none
   SetPacer pacer_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> forget_motion_{false};

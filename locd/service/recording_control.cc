@@ -1,6 +1,9 @@
 #include "locd/service/recording_control.h"
 
+#include <utility>
+
 #include "core/camera/kalibr.h"
+#include "drivers/monotonic_clock.h"
 
 namespace waymark {
 namespace {
@@ -41,6 +44,11 @@ std::optional<std::string> how_it_ended(const Recorder::State& state) {
   return state.folder.empty() ? "ok there was no recording" : "ok " + state.folder.string();
 }
 
+bool is_same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::error_code absent;
+  return a == b || std::filesystem::equivalent(a, b, absent);
+}
+
 }  // namespace
 
 RecordingBudget recording_budget(const Config::Record& record) {
@@ -52,6 +60,7 @@ RecordingBudget recording_budget(const Config::Record& record) {
 }
 
 RecordingPlan plan_recording(const Setup& setup, const Telemetry& telemetry,
+                             const std::filesystem::path& default_archive,
                              const std::string& version) {
   const Config::Record& record = setup.config.record;
   RecordingPlan plan;
@@ -61,11 +70,11 @@ RecordingPlan plan_recording(const Setup& setup, const Telemetry& telemetry,
   plan.facts.version = version;
   plan.facts.codec = record.jpeg ? "jpeg" : "pgm";
   plan.facts.sync_tolerance = sync_options(setup.config).tolerance;
-  plan.facts.archive = record.dir;
+  plan.facts.archive = record.dir.empty() ? default_archive : record.dir;
+  plan.facts.date_known = telemetry.date_known();
   plan.options.jpeg = record.jpeg;
   plan.options.every_nth = record.every_nth;
   plan.options.budget = recording_budget(record);
-  plan.options.name_offset = telemetry.utime_offset();
   for (const RigCamera& camera : setup.rig.cameras) {
     plan.facts.cameras.push_back(camera.name);
     const CameraParameters& size = camera.model.parameters();
@@ -102,6 +111,7 @@ ControlSocket::Answer RecordingControl::start(Stamp now) {
     return at_once("error: " + why);
   }
   const RecordingPlan plan = plan_();
+  has_markers_ = !plan.facts.markers_toml.empty();
   recorder_.start({}, plan.facts, plan.options);
   return [this, archive = plan.facts.archive.string(), until = now + kPatience](Stamp later) {
     auto answer = how_it_began(recorder_.state());
@@ -121,6 +131,37 @@ ControlSocket::Answer RecordingControl::stop(Stamp now) {
     if (!answer && later >= until) answer = "ok stopping";
     return answer;
   };
+}
+
+Status RecordingControl::record_from_the_start(const std::filesystem::path& folder) {
+  RecordingPlan plan = plan_();
+  has_markers_ = !plan.facts.markers_toml.empty();
+  if (!is_same_folder(folder.parent_path(), plan.facts.archive)) plan.facts.archive.clear();
+  recorder_.start(folder, plan.facts, plan.options);
+  if (!recorder_.settle(monotonic_now() + kPatience)) {
+    return fail(ErrorKind::io, "{}: can't record here: the disk does not answer", folder.string());
+  }
+  const auto failure = recorder_.state().failure;
+  return failure ? tl::make_unexpected(*failure) : Status{};
+}
+
+std::vector<RecordingNews> RecordingControl::take_news() {
+  std::vector<RecordingNews> news;
+  const Recorder::State state = recorder_.state();
+  const std::string folder = state.folder.string();
+  if (std::exchange(told_begun_, state.begun) != state.begun) {
+    told_end_ = false;
+    constexpr const char* kNoMarkers =
+        " without markers.toml: mapbuilder reads it once one of the markers' families and sizes is "
+        "copied there; set [record] markers to such a file for recordings to have it";
+    news.push_back({folder, "recording to " + folder + (has_markers_ ? "" : kNoMarkers), false});
+  }
+  for (const std::string& note : recorder_.take_notes()) news.push_back({folder, note, true});
+  if (told_end_ || state.phase != Phase::idle) return news;
+  told_end_ = true;
+  news.push_back({folder, "recording ended: " + (state.failure ? state.failure->message : folder),
+                  state.failure.has_value()});
+  return news;
 }
 
 }  // namespace waymark

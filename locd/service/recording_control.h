@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "locd/publish/telemetry.h"
 #include "locd/record/recorder.h"
@@ -17,13 +20,23 @@ struct RecordingPlan {
   RecorderOptions options;
 };
 
-/// How the configuration has frame sets recorded, in its archive.
+/// How the configuration has frame sets recorded, in its archive: [record] dir, or where that is
+/// not stated `default_archive`.
 [[nodiscard]] RecordingPlan plan_recording(const Setup& setup, const Telemetry& telemetry,
+                                           const std::filesystem::path& default_archive,
                                            const std::string& version);
 [[nodiscard]] RecordingBudget recording_budget(const Config::Record& record);
 
-/// Recordings as this machine's operators ask for them: start, stop and status, a line each on the
-/// control socket. Waits for nothing: an answer is there once the recorder has done it.
+/// What is to be told of a recording.
+struct RecordingNews {
+  std::string folder;  ///< of the recording
+  std::string text;
+  bool wrong = false;
+};
+
+/// The recordings of this machine, from the request to the word that they have ended. Requests are
+/// start, stop and status, a line each on the control socket. Waits for nothing: an answer is there
+/// once the recorder has done it.
 class RecordingControl {
  public:
   /// A disk that takes longer is said not to answer: a recording does not begin, or is left to end
@@ -38,6 +51,13 @@ class RecordingControl {
   /// "ok …"; "error: …".
   [[nodiscard]] ControlSocket::Answer handle(std::string_view request, Stamp now);
 
+  /// Before the service runs: has it record into `folder`, and waits until it does. Errors: those
+  /// of RecordingFolder::open; io when the disk does not answer.
+  [[nodiscard]] Status record_from_the_start(const std::filesystem::path& folder);
+
+  /// What has begun, ended or can't be deleted since the last call.
+  [[nodiscard]] std::vector<RecordingNews> take_news();
+
  private:
   [[nodiscard]] ControlSocket::Answer start(Stamp now);
   [[nodiscard]] ControlSocket::Answer stop(Stamp now);
@@ -45,6 +65,9 @@ class RecordingControl {
 
   Recorder& recorder_;
   std::function<RecordingPlan()> plan_;
+  std::uint64_t told_begun_ = 0;  ///< recordings of which it was told that they began
+  bool told_end_ = true;          ///< of the last
+  bool has_markers_ = false;      ///< the last one has a markers.toml
 };
 
 }  // namespace waymark

@@ -8,12 +8,15 @@
 #include <vector>
 
 #include "core/base/atomic_file.h"
+#include "core/base/notes.h"
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
+#include "core/marker/image_families.h"
 #include "drivers/monotonic_clock.h"
 #include "drivers/replay_source.h"
 #include "locd/frames/rig_capture.h"
 #include "locd/pose/localizer.h"
+#include "locd/pose/map_index.h"
 #include "locd/pose/pose_table.h"
 
 namespace waymark {
@@ -139,9 +142,25 @@ void play_in_real_time(const std::shared_ptr<ReplayCapture>& capture, const std:
 }
 
 Status check_rig(const CaptureFolder& folder) {
-  if (folder.rig.cameras.size() <= kMaxCameras) return {};
-  return fail(ErrorKind::bad_data, "{}: {} cameras; locd takes at most {}", folder.path.string(),
-              folder.rig.cameras.size(), kMaxCameras);
+  const std::size_t cameras = folder.rig.cameras.size();
+  if (cameras > kMaxCameras) {
+    return fail(ErrorKind::bad_data, "{}: {} cameras; locd takes at most {}", folder.path.string(),
+                cameras, kMaxCameras);
+  }
+  if (cameras > 1 && !folder.rig.has_extrinsics) {
+    return fail(ErrorKind::bad_data,
+                "{}: {} cameras without transforms between them; add T_cn_cnm1 to rig.yaml",
+                folder.path.string(), cameras);
+  }
+  return {};
+}
+
+/// What the capture's images, where they are looked at, will never show of the map.
+Expected<std::optional<std::string>> check_families(const ReplayCommandOptions& options,
+                                                    const CaptureFolder& folder,
+                                                    const MarkerMap& map) {
+  if (folder.detections_csv && !options.redetect) return std::optional<std::string>();
+  return shown_in_images(MapIndex(map).catalog(), options.map.string());
 }
 
 }  // namespace
@@ -158,7 +177,12 @@ Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& 
   if (!capture) return tl::make_unexpected(capture.error());
   const CaptureFolder& folder = (*capture)->folder();
   if (auto checked = check_rig(folder); !checked) return checked;
-  for (const std::string& note : folder.notes) fmt::print(notes, "note: {}\n", note);
+  const auto shown = check_families(options, folder, *map);
+  if (!shown) return tl::make_unexpected(shown.error());
+  if (*shown) fmt::print(notes, "note: {}\n", **shown);
+  for (const std::string& note : shown_notes(folder.notes)) {
+    fmt::print(notes, "note: {}\n", note);
+  }
   if (map->submaps.size() > 1) {
     fmt::print(notes, "note: {} holds {} sub-maps; poses are in the first, the largest\n",
                options.map.string(), map->submaps.size());

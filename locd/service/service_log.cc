@@ -5,6 +5,8 @@
 
 #include <cstdlib>
 
+#include "core/base/one_line.h"
+
 namespace waymark {
 
 ServiceLog::ServiceLog()
@@ -16,14 +18,16 @@ ServiceLog::ServiceLog()
   logger_->flush_on(spdlog::level::info);
 }
 
-void ServiceLog::note(const std::string& text) { logger_->info("{}", text); }
+void ServiceLog::note(const std::string& text) { logger_->info("{}", in_one_line(text)); }
 
 void ServiceLog::event(const std::string& what, const std::string& text, Stamp now) {
-  if (limiter_.admit(what, now)) logger_->warn("{}", text);
+  if (limiter_.admit(what, now)) logger_->warn("{}", in_one_line(text));
 }
 
 void ServiceLog::summarize(Stamp now) {
-  if (const auto line = limiter_.summary(now)) logger_->warn("{}", *line);
+  if (const auto line = limiter_.summary(now)) {
+    logger_->warn("{}", in_one_line(*line, kMaxSummaryBytes));
+  }
 }
 
 }  // namespace waymark

@@ -11,9 +11,13 @@ class logger;
 
 namespace waymark {
 
-/// The service's log on stderr, where systemd's journal takes it: notes once, events limited.
+/// The service's log on stderr, where systemd's journal takes it: notes once, events limited. Each
+/// text is a line by the rule of in_one_line, whatever it quotes.
 class ServiceLog {
  public:
+  /// A summary is a list of such texts.
+  static constexpr std::size_t kMaxSummaryBytes = 4000;
+
   ServiceLog();
 
   /// A line that is never held back: start, reload, end.

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <systemd/sd-daemon.h>
 
+#include "core/base/one_line.h"
+
 namespace waymark {
 
 ServiceNotifier::ServiceNotifier() {
@@ -13,14 +15,17 @@ ServiceNotifier::ServiceNotifier() {
 }
 
 void ServiceNotifier::ready(const std::string& status) {
-  last_status_ = status;
-  socket_.tell(fmt::format("READY=1\nSTATUS={}", status));
+  this->status(status);
+  // A datagram of its own: whatever becomes of the text's, this one is heard.
+  socket_.tell("READY=1");
 }
 
 void ServiceNotifier::status(const std::string& status) {
-  if (status == last_status_) return;
+  // Every line of a datagram is an order to systemd.
+  const std::string line = in_one_line(status);
+  if (line == last_status_) return;
   // One that systemd has not heard is told with the next look.
-  if (socket_.offer(fmt::format("STATUS={}", status))) last_status_ = status;
+  if (socket_.offer(fmt::format("STATUS={}", line))) last_status_ = line;
 }
 
 void ServiceNotifier::reloading(Stamp now) {

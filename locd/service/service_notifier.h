@@ -8,7 +8,8 @@
 
 namespace waymark {
 
-/// Tells systemd how the service is (NotifySocket). Without systemd nothing happens.
+/// Tells systemd how the service is (NotifySocket). Without systemd nothing happens. Texts go out
+/// by the rule of in_one_line, whatever they quote.
 class ServiceNotifier {
  public:
   ServiceNotifier();

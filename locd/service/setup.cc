@@ -1,13 +1,16 @@
 #include "locd/service/setup.h"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <numbers>
 
 #include "core/base/atomic_file.h"
 #include "core/camera/kalibr.h"
 #include "core/map/map_file.h"
+#include "core/marker/image_families.h"
 #include "core/marker/marker_catalog.h"
+#include "locd/pose/map_index.h"
 #include "locd/publish/lcm_url.h"
 
 namespace waymark {
@@ -93,6 +96,19 @@ Status find_markers(Setup& setup) {
   return {};
 }
 
+/// What cameras will never see of the map is said, and a map of nothing else is refused: no pose
+/// would ever come of it.
+Status check_families(Setup& setup) {
+  const auto shown = shown_in_images(MapIndex(*setup.map).catalog(), setup.config.map.string());
+  const auto& cameras = setup.config.cameras;
+  const bool any_capture = std::any_of(cameras.begin(), cameras.end(), [](const auto& camera) {
+    return camera.driver == CameraDriver::replay;  // its detections.csv may show them all
+  });
+  if (!shown && !any_capture) return tl::make_unexpected(shown.error());
+  if (shown && *shown) setup.notes.push_back(**shown);
+  return {};
+}
+
 Status read_map(Setup& setup) {
   const std::filesystem::path& path = setup.config.map;
   if (path.empty()) {
@@ -115,7 +131,7 @@ Status read_map(Setup& setup) {
         path.string(), unknown, markers.size()));
   }
   setup.map = std::move(*map);
-  return {};
+  return check_families(setup);
 }
 
 Status read_key(Setup& setup) {
@@ -149,7 +165,6 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
   auto rig = read_camchain(setup.config.rig.camchain);
   if (!rig) return tl::make_unexpected(rig.error());
   setup.rig = std::move(rig->rig);
-  setup.notes = std::move(rig->notes);
   for (Status (*step)(Setup&) : {match_cameras, read_map, find_markers, read_key}) {
     if (auto done = step(setup); !done) return tl::make_unexpected(done.error());
   }
@@ -159,6 +174,8 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
     setup.notes.emplace_back(
         "no [record] markers: recordings need a markers.toml before mapbuilder reads them");
   }
+  // The rig's come last: of very many only the first are shown.
+  std::move(rig->notes.begin(), rig->notes.end(), std::back_inserter(setup.notes));
   return setup;
 }
 

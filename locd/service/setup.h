@@ -22,7 +22,7 @@ struct Setup {
   std::string map_hash;            ///< content hash; empty without a map
   std::optional<MessageKey> key;   ///< what poses are signed with
   std::string markers_toml;        ///< for recordings; empty when nothing tells families and sizes
-  std::vector<std::string> notes;  ///< what the user should know, one line each
+  std::vector<std::string> notes;  ///< what the user should know, what weighs most first
 };
 
 /// Reads configuration, rig, map and replayed captures. Errors: those of the readers; config for

@@ -8,6 +8,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/same_file.h"
 #include "core/camera/kalibr.h"
+#include "core/map/map_check.h"
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/output_paths.h"
@@ -358,6 +359,13 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 "the family and the ids in markers.toml",
                 options.input.paths.front().string(), observations.frame_sets.size(),
                 observations.usable);
+  }
+  if (auto sound = check_map(result.map); !sound) {
+    print_findings(findings, notes);
+    return fail(ErrorKind::bad_data,
+                "{}: what was built can't be a map: {}; check the markers' sizes, the rig and the "
+                "detections; nothing written",
+                options.input.paths.front().string(), sound.error().message);
   }
   append(findings_of(options, build, *references, observations, diagnosed), findings);
   findings = judged(std::move(findings), options.rules);

@@ -4,21 +4,15 @@
 
 #include <algorithm>
 
+#include "core/base/notes.h"
 #include "mapbuilder/diagnosis/input_findings.h"
 #include "mapbuilder/import/open_capture.h"
 
 namespace waymark {
 namespace {
 
-constexpr std::size_t kMostWarnings = 20;
-
 void print_notes(const std::vector<std::string>& lines, std::ostream& notes) {
-  for (std::size_t i = 0; i < std::min(lines.size(), kMostWarnings); ++i) {
-    fmt::print(notes, "note: {}\n", lines[i]);
-  }
-  if (lines.size() > kMostWarnings) {
-    fmt::print(notes, "note: … and {} more like these\n", lines.size() - kMostWarnings);
-  }
+  for (const std::string& line : shown_notes(lines)) fmt::print(notes, "note: {}\n", line);
 }
 
 bool is_file(const std::filesystem::path& path) {

@@ -1,6 +1,5 @@
 #include "mapbuilder/commands/import_command.h"
 
-#include "core/base/atomic_file.h"
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
 #include "mapbuilder/commands/output_check.h"
@@ -9,9 +8,7 @@ namespace waymark {
 
 Status run_import(const ImportOptions& options, std::ostream& out) {
   if (auto spares = check_spares(options.output, {options.json}); !spares) return spares;
-  const auto text = read_file(options.json);
-  if (!text) return tl::make_unexpected(text.error());
-  const auto map = parse_map_json(*text, options.json.string());
+  const auto map = read_map_json(options.json);
   if (!map) return tl::make_unexpected(map.error());
   if (auto status = write_map_file(options.output, *map); !status) return status;
   std::size_t markers = 0;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/one_line.h"
 #include "core/map/json_value.h"
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
@@ -105,7 +106,8 @@ std::string format_json(const MarkerMap& map) {
     submaps.push_back(submap_json(submap, map.several_families()));
   }
   json["submaps"] = std::move(submaps);
-  return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
+  constexpr bool kAsciiOnly = true;  // a map's texts may hold what a terminal obeys
+  return json.dump(2, ' ', kAsciiOnly, ordered_json::error_handler_t::replace) + "\n";
 }
 
 std::string text_of_unverified(const Summary& summary, bool with_family) {
@@ -154,7 +156,7 @@ std::string format_text(const MarkerMap& map) {
       "rig              {}\n"
       "captures         {}\n"
       "sub-maps         {}\n",
-      content_hash(map), or_none(map.builder_version), or_none(map.rig_fingerprint),
+      content_hash(map), or_none(in_one_line(map.builder_version)), or_none(map.rig_fingerprint),
       or_none(fmt::format("{}", fmt::join(map.capture_fingerprints, " "))), map.submaps.size());
   for (std::size_t i = 0; i < map.submaps.size(); ++i) {
     text += text_of_submap(map.submaps[i], i, map.several_families());

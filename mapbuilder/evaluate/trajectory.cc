@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/check.h"
+#include "core/base/folder_walk.h"
 #include "core/base/text_field.h"
 #include "core/capture/image_list.h"
 #include "mapbuilder/build/output_paths.h"

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "core/base/atomic_file.h"
+#include "core/base/json_fields.h"
 
 namespace waymark {
 namespace {
@@ -20,7 +20,7 @@ constexpr std::size_t kRadtanCount = 4;
 constexpr int kMaxSide_px = 1'000'000;
 
 /// All numbers of an array, however nested, or of OpenCV's matrix object; nullopt when something
-/// else stands among them.
+/// else stands among them. Documents nest no deeper than parse_json allows.
 std::optional<std::vector<double>> flat_numbers(const json& node) {
   if (node.is_number()) return std::vector<double>{node.get<double>()};
   if (node.is_object() && node.contains("data")) return flat_numbers(node["data"]);
@@ -36,7 +36,7 @@ std::optional<std::vector<double>> flat_numbers(const json& node) {
 
 class Reader {
  public:
-  Reader(const json& root, const std::string& name) : root_(root), name_(name) {}
+  Reader(JsonFields& fields, const std::string& name) : fields_(fields), name_(name) {}
 
   Expected<CalibJson> read() {
     for (const auto step :
@@ -61,10 +61,11 @@ class Reader {
     std::array<double, 4> values{};
     std::size_t i = 0;
     for (const char* key : {"fx", "fy", "cx", "cy"}) {
-      if (!root_.contains(key) || !root_[key].is_number()) {
+      const json* const value = fields_.value(key);
+      if (value == nullptr || !value->is_number()) {
         return unknown_form("the intrinsics (camera_matrix, or K, or fx, fy, cx and cy)");
       }
-      values[i++] = root_[key].get<double>();
+      values[i++] = value->get<double>();
     }
     set_intrinsics(values[0], values[1], values[2], values[3]);
     return {};
@@ -102,8 +103,8 @@ class Reader {
     std::optional<std::vector<double>> size;
     if (const json* node = first_of({"resolution"})) {
       size = flat_numbers(*node);
-    } else if (root_.contains("width") && root_.contains("height")) {
-      size = flat_numbers(json::array({root_["width"], root_["height"]}));
+    } else if (fields_.contains("width") && fields_.contains("height")) {
+      size = flat_numbers(json::array({*fields_.value("width"), *fields_.value("height")}));
     } else {
       return {};
     }
@@ -120,20 +121,19 @@ class Reader {
 
   [[nodiscard]] const json* first_of(std::initializer_list<const char*> keys) const {
     for (const char* key : keys) {
-      if (const auto found = root_.find(key); found != root_.end()) return &*found;
+      if (const json* const found = fields_.value(key)) return found;
     }
     return nullptr;
   }
 
   [[nodiscard]] tl::unexpected<Error> unknown_form(const char* what) const {
-    std::vector<std::string> keys;
-    for (const auto& item : root_.items()) keys.push_back(item.key());
+    const std::vector<std::string> keys = fields_.keys();
     return fail(ErrorKind::bad_data,
                 "{}: can't find {}; keys seen: {}; a rig.yaml would do instead", name_, what,
                 keys.empty() ? "none" : fmt::format("{}", fmt::join(keys, ", ")));
   }
 
-  const json& root_;
+  JsonFields& fields_;
   const std::string& name_;
   CalibJson calib_;
 };
@@ -141,11 +141,11 @@ class Reader {
 }  // namespace
 
 Expected<CalibJson> parse_calib_json(const std::string& text, const std::string& name) {
-  const json root = json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!root.is_object()) {
-    return fail(ErrorKind::bad_data, "{}: not a JSON object", name);
-  }
-  return Reader(root, name).read();
+  const auto document = parse_json(text, name, kMaxBytes);
+  if (!document) return tl::make_unexpected(document.error());
+  JsonFields fields(*document, name);
+  if (!fields.good()) return tl::make_unexpected(fields.status().error());
+  return Reader(fields, name).read();
 }
 
 Expected<CalibJson> read_calib_json(const std::filesystem::path& path) {

@@ -7,6 +7,7 @@
 
 #include "core/base/text_field.h"
 #include "core/base/toml_text.h"
+#include "core/camera/image_sizes.h"
 #include "core/camera/kalibr.h"
 #include "core/capture/image_file.h"
 #include "mapbuilder/import/calib_json.h"
@@ -208,7 +209,7 @@ class LayoutReader {
     auto model = CameraModel::create(parameters);
     if (!model) return fail(model.error().kind, "{}: {}", path.string(), model.error().message);
     capture_.rig.cameras.push_back({"cam0", std::move(*model), Rigid3(), "", "", {}, {}, {}});
-    return {};
+    return check_image_sizes(capture_.rig, path.string());
   }
 
   [[nodiscard]] std::optional<std::pair<int, int>> first_image_size() const {

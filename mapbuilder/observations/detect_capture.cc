@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/capture/detections_csv.h"
 #include "core/capture/image_file.h"
+#include "core/marker/image_families.h"
 
 namespace waymark {
 namespace {
@@ -76,9 +77,9 @@ class DeepImages {
 Expected<DetectedCapture> from_images(const CaptureFolder& capture,
                                       const DetectCaptureOptions& options, Progress& progress,
                                       DetectionReport& report) {
-  if (auto status = check_found_in_images(capture.catalog, capture.path.string()); !status) {
-    return tl::make_unexpected(std::move(status.error()));
-  }
+  const auto shown = shown_in_images(capture.catalog, capture.path.string());
+  if (!shown) return tl::make_unexpected(shown.error());
+  if (*shown) report.warnings.push_back(**shown);
   DetectedCapture detected{capture.path.string(),  capture.rig,      capture.catalog, {},
                            capture.sync_tolerance, capture.monotonic};
   std::size_t rotated = 0;

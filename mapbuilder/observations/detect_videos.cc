@@ -6,6 +6,8 @@
 
 #include "core/base/parallel.h"
 #include "core/camera/kalibr.h"
+#include "core/geometry/tum.h"
+#include "core/marker/image_families.h"
 
 namespace waymark {
 namespace {
@@ -22,6 +24,23 @@ Expected<std::vector<VideoFrame>> take_frames(VideoSource& source, std::size_t c
   return frames;
 }
 
+/// What a video's first frame was held against holds for all of them: some change on the way.
+Status check_sizes(const std::vector<VideoFrame>& frames,
+                   const std::vector<std::filesystem::path>& videos, const Rig& rig) {
+  for (const VideoFrame& frame : frames) {
+    const auto camera = static_cast<std::size_t>(frame.camera);
+    const CameraParameters& expected = rig.cameras[camera].model.parameters();
+    const GrayImage& image = frame.image;
+    if (image.width_px == expected.width_px && image.height_px == expected.height_px) continue;
+    return fail(ErrorKind::bad_data,
+                "{}: the frame at {} s is {}×{}, the rig says {}×{}; cut the video where its size "
+                "changes",
+                videos[camera].string(), format_stamp_s(frame.stamp), image.width_px,
+                image.height_px, expected.width_px, expected.height_px);
+  }
+  return {};
+}
+
 }  // namespace
 
 Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads,
@@ -31,9 +50,9 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads
   report.warnings = std::move(loaded->notes);
   auto catalog = read_marker_catalog(capture.markers_toml);
   if (!catalog) return tl::make_unexpected(catalog.error());
-  if (auto status = check_found_in_images(*catalog, capture.markers_toml.string()); !status) {
-    return tl::make_unexpected(std::move(status.error()));
-  }
+  const auto shown = shown_in_images(*catalog, capture.markers_toml.string());
+  if (!shown) return tl::make_unexpected(shown.error());
+  if (*shown) report.warnings.push_back(**shown);
   auto source = open_videos(capture.videos, loaded->rig, capture.options);
   if (!source) return tl::make_unexpected(source.error());
 
@@ -50,6 +69,9 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads
     const auto frames = take_frames(**source, detectors.size() * 4);
     if (!frames) return tl::make_unexpected(frames.error());
     if (frames->empty()) break;
+    if (auto sized = check_sizes(*frames, capture.videos, detected.rig); !sized) {
+      return tl::make_unexpected(sized.error());
+    }
     std::vector<FoundMarkers> found(frames->size());
     std::atomic<std::size_t> next_detector{0};
     parallel_for_with(

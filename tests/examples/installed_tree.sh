@@ -45,7 +45,7 @@ rows = [[float(word) for word in line.split()] for line in open(sys.argv[2]) if 
 row = min(rows, key=lambda row: abs(row[0] - stamp))
 assert abs(row[0] - stamp) < 1e-3, (row, stamp)
 off = sum((a - b) ** 2 for a, b in zip(pose["position_m"], row[1:4])) ** 0.5
-assert off < 0.02, off
+assert off < 0.005, off
 P
 
 {

@@ -6,11 +6,14 @@
 
 namespace waymark::test {
 
-/// Damages valid inputs the way bad disks, cut transfers, editors and attackers do. Seeded.
+/// Damages valid inputs the way bad disks, cut transfers, editors and attackers do; `words` are the
+/// form's own. Seeded.
 class Mutator {
  public:
-  Mutator(std::vector<std::string> seeds, std::uint32_t seed)
-      : seeds_(std::move(seeds)), random_(seed) {}
+  Mutator(std::vector<std::string> seeds, std::vector<std::string> words, std::uint32_t seed)
+      : seeds_(std::move(seeds)), words_(std::move(words)), random_(seed) {
+    words_.insert(words_.end(), std::begin(kNasty), std::end(kNasty));
+  }
 
   /// One of the seeds with one to eight damages.
   [[nodiscard]] std::string next() {
@@ -28,7 +31,7 @@ class Mutator {
     if (text.empty()) text.push_back('x');
     const std::size_t at = below(text.size());
     const std::size_t length = 1 + below(std::min<std::size_t>(32, text.size() - at));
-    switch (below(8)) {
+    switch (below(9)) {
       case 0:
         text[at] = static_cast<char>(text[at] ^ (1 << below(8)));
         break;
@@ -45,9 +48,12 @@ class Mutator {
         text.resize(at);
         break;
       case 5:
-        text.replace(at, length, kNasty[below(std::size(kNasty))]);
+        text.replace(at, length, words_[below(words_.size())]);
         break;
-      case 6:  // four bytes that are a size, a count or an offset somewhere
+      case 6:  // nested beyond any stack
+        text.insert(at, repeated(kNesting[below(std::size(kNesting))], 1 + below(4000)));
+        break;
+      case 7:  // four bytes that are a size, a count or an offset somewhere
         for (std::size_t i = at; i < std::min(at + 4, text.size()); ++i) {
           text[i] = static_cast<char>(i == at ? 0x7f : 0xff);
         }
@@ -60,6 +66,13 @@ class Mutator {
     }
   }
 
+  static std::string repeated(const char* text, std::size_t times) {
+    std::string all;
+    for (std::size_t i = 0; i < times; ++i) all += text;
+    return all;
+  }
+
+  static constexpr const char* kNesting[] = {"[", "{", "{\"a\":", "[{a = ", "a.", "- ", "? ", "("};
   static constexpr const char* kNasty[] = {"nan",        "-inf",
                                            "1e999",      "-1",
                                            "0",          "18446744073709551616",
@@ -69,9 +82,12 @@ class Mutator {
                                            "\n",         "\r\n",
                                            "# ",         "../../etc/passwd",
                                            "%s%n",       "\xff\xfe",
-                                           "&a *a",      "!!"};
+                                           "&a *a",      "!!",
+                                           "4294967308", "12.7",
+                                           "\u202e",     "\x1b[2J"};
 
   std::vector<std::string> seeds_;
+  std::vector<std::string> words_;
   std::mt19937 random_;
 };
 

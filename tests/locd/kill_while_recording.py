@@ -4,14 +4,16 @@
 Usage: kill_while_recording.py LOCD MAPBUILDER SIMULATOR [TIMES]
 
 Every frame that frames.csv lists is there and whole, at most one set's images lie beside them, and at
-most one image was being written. Every fourth recording goes on with the one before in a ring of one
-second: what it lists and lacks is older than all that is there, and less than half of the list.
+most one image was being written. Every fourth recording goes on with the one before in a ring of ten
+sets, a second: what it lists and lacks is older than all that is there, and less than half of the list.
+(A ring by bytes: by age, what an earlier run has recorded goes only where a time service keeps the clock.)
 """
 
 import math
 import os
 import pathlib
 import random
+import re
 import signal
 import subprocess
 import sys
@@ -27,7 +29,7 @@ deadline_ms = 40
 url = "memq://"
 [record]
 codec = "{codec}"
-keep_s = {keep_s}
+max_bytes = {max_bytes}
 min_free_bytes = 0
 """
 CAMERA = '[[camera]]\nname = "cam{}"\ndriver = "replay"\ndevice = "room"\n'
@@ -84,6 +86,12 @@ def judge(mapbuilder, capture, ring):
     return ""
 
 
+def bytes_of_ten_sets(rig):
+    """Of three cameras' images, a byte per pixel."""
+    width, height = re.search(r"resolution: \[(\d+), (\d+)\]", rig.read_text(encoding="utf-8")).groups()
+    return max(1_000_000, 10 * 3 * int(width) * int(height))
+
+
 def main():
     locd, mapbuilder, simulator = sys.argv[1:4]
     times = int(sys.argv[4]) if len(sys.argv) > 4 else 100
@@ -92,11 +100,12 @@ def main():
         folder = pathlib.Path(name)
         render(simulator, folder)
         cameras = "".join(CAMERA.format(c) for c in range(3))
+        ring_bytes = bytes_of_ten_sets(folder / "room/rig.yaml")
         bad = 0
         for i in range(times):
             ring = i % 4 == 2
             (folder / "locd.toml").write_text(
-                CONFIG.format(cameras=cameras, codec="pgm" if i % 2 == 0 else "jpeg", keep_s=1 if ring else 1e6),
+                CONFIG.format(cameras=cameras, codec="pgm" if i % 2 == 0 else "jpeg", max_bytes=ring_bytes if ring else 10_000_000_000),
                 encoding="utf-8")
             capture = folder / ("ring" if ring else f"recording{i}")
             kill_once(locd, folder, capture, moments.uniform(0, 2.5 if ring else 0.4))

@@ -32,6 +32,12 @@ code=0
 [ "$code" -eq 69 ] || { echo "a second locd ended with $code"; cat "$work/second"; exit 1; }
 grep -q "pid $locd;" "$work/second" || { cat "$work/second"; exit 1; }
 
+# Another runtime folder makes it no other: the state folder is the same.
+code=0
+RUNTIME_DIRECTORY=$work/run "$1" --config "$work/locd.toml" 2>"$work/third" || code=$?
+[ "$code" -eq 69 ] || { echo "a third locd ended with $code"; cat "$work/third"; exit 1; }
+grep -q "pid $locd;" "$work/third" || { cat "$work/third"; exit 1; }
+
 ip route add 239.0.0.0/8 dev lo
 hear_three_poses "$@"
 ip route del 239.0.0.0/8

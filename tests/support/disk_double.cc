@@ -1,5 +1,6 @@
 #include "tests/support/disk_double.h"
 
+#include <dirent.h>
 #include <dlfcn.h>
 #include <fmt/format.h>
 #include <sys/statvfs.h>
@@ -17,8 +18,15 @@ namespace {
 std::atomic<DiskDouble*> in_place{nullptr};
 
 int bring_by(long call, int descriptor) {
-  if (DiskDouble* const disk = in_place.load()) disk->bring(descriptor);
+  DiskDouble* const disk = in_place.load();
+  if (disk != nullptr) disk->bring(descriptor);
+  if (disk != nullptr && disk->brings_nothing()) return 0;
   return static_cast<int>(::syscall(call, descriptor));
+}
+
+std::filesystem::path path_of(int descriptor) {
+  std::error_code ignored;
+  return std::filesystem::read_symlink(fmt::format("/proc/self/fd/{}", descriptor), ignored);
 }
 
 }  // namespace
@@ -37,9 +45,15 @@ void DiskDouble::stall() {
   stalls_ = true;
 }
 
+void DiskDouble::stall_listing(const std::string& folder_name) {
+  const std::lock_guard lock(mutex_);
+  listing_stalls_ = true;
+  stalled_folder_ = folder_name;
+}
+
 void DiskDouble::release() {
   const std::lock_guard lock(mutex_);
-  stalls_ = false;
+  stalls_ = listing_stalls_ = false;
   changed_.notify_all();
 }
 
@@ -54,15 +68,23 @@ std::set<std::string> DiskDouble::synced() const {
 }
 
 void DiskDouble::bring(int descriptor) {
-  std::error_code ignored;
-  const auto file =
-      std::filesystem::read_symlink(fmt::format("/proc/self/fd/{}", descriptor), ignored);
+  const std::string file = path_of(descriptor).string();
   std::unique_lock lock(mutex_);
+  hold(lock, stalls_);
+  synced_.insert(file);
+}
+
+void DiskDouble::list(int descriptor) {
+  const std::string folder = path_of(descriptor).filename().string();
+  std::unique_lock lock(mutex_);
+  if (folder == stalled_folder_) hold(lock, listing_stalls_);
+}
+
+void DiskDouble::hold(std::unique_lock<std::mutex>& lock, const bool& while_true) {
   ++waiting_;
   changed_.notify_all();
-  changed_.wait(lock, [&] { return !stalls_; });
+  changed_.wait(lock, [&] { return !while_true; });
   --waiting_;
-  synced_.insert(file.string());
   changed_.notify_all();
 }
 
@@ -75,14 +97,23 @@ extern "C" int fdatasync(int descriptor) {
   return waymark::test::bring_by(SYS_fdatasync, descriptor);
 }
 
-extern "C" int statvfs(const char* path, struct statvfs* disk) noexcept {
-  using Statvfs = int (*)(const char*, struct statvfs*);
+extern "C" int fstatvfs(int descriptor, struct statvfs* disk) noexcept {
+  using Fstatvfs = int (*)(int, struct statvfs*);
   // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): what dlsym gives
-  static const auto system = reinterpret_cast<Statvfs>(::dlsym(RTLD_NEXT, "statvfs"));
-  const int failed = system(path, disk);
+  static const auto system = reinterpret_cast<Fstatvfs>(::dlsym(RTLD_NEXT, "fstatvfs"));
+  const int failed = system(descriptor, disk);
   const waymark::test::DiskDouble* const test = waymark::test::in_place.load();
   if (failed == 0 && test != nullptr && test->free_bytes()) {
     disk->f_bavail = test->free_bytes()() / disk->f_frsize;
   }
   return failed;
+}
+
+extern "C" DIR* fdopendir(int descriptor) {
+  using Fdopendir = DIR* (*)(int);
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): what dlsym gives
+  static const auto system = reinterpret_cast<Fdopendir>(::dlsym(RTLD_NEXT, "fdopendir"));
+  if (waymark::test::DiskDouble* const disk = waymark::test::in_place.load())
+    disk->list(descriptor);
+  return system(descriptor);
 }

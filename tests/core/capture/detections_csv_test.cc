@@ -356,6 +356,11 @@ TEST_F(DetectionsCsv, MemoryIsBoundedBeforeALineOrTheFileIsTaken) {
               HasSubstr("line 2: more than 64 columns"));
   EXPECT_THAT(read(std::string(100, ',') + "\n").error().message,
               HasSubstr("line 1: more than 64 columns"));
+  // On the other side of both limits: 64 columns, and a line of 64 KiB.
+  std::string header(kHeader, std::string_view(kHeader).size() - 1);
+  for (int column = 11; column < 64; ++column) header += fmt::format(",note{}", column);
+  const std::string row = "5,cam0,3,1,1,2,1,2,2,1,2" + std::string(53, ',');
+  EXPECT_TRUE(read(header + "\n" + row + std::string(65536 - row.size(), 'x') + "\n"));
   const auto file = folder_.write("detections.csv", kHeader);
   std::filesystem::resize_file(file, std::uintmax_t{3} << 30);
   const auto sparse = read_detections_csv(file, rig_, catalog_);

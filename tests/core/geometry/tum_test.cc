@@ -65,6 +65,14 @@ TEST_F(Tum, PositionsLieWithinAThousandKilometres) {
   }
 }
 
+TEST_F(Tum, AFileLargerThanAnyTrajectoryIsRefusedUnread) {
+  const auto path = folder_.write("long.tum", "");
+  std::filesystem::resize_file(path, (std::uintmax_t{1} << 30) + 1);  // a hole: it takes no disk
+  const auto poses = read_tum(path);
+  ASSERT_FALSE(poses);
+  EXPECT_EQ(poses.error().kind, ErrorKind::bad_data);
+}
+
 TEST_F(Tum, AbsentFileIsNoInput) {
   const auto poses = read_tum(folder_.path() / "absent.tum");
   ASSERT_FALSE(poses);

@@ -27,6 +27,7 @@ class FakeClocks {
         Stamp(static_cast<Stamp::rep>(static_cast<double>(time.count()) * wall_drift_ppm * 1e-6));
   }
   void step(Stamp by) { now_.wall += by; }
+  void vouch(bool vouched_for) { now_.vouched_for = vouched_for; }
   void suspend(Stamp time) {
     now_.boottime += time;
     now_.wall += time;
@@ -152,6 +153,24 @@ TEST(ClockOffset, AnUnsetClockIsOneBeforeTwentyTwenty) {
   EXPECT_EQ(ClockOffset(ClockReading{{}, {}, ClockOffset::kEarliestDate}).status(), TimeStatus::ok);
   EXPECT_EQ(ClockOffset(ClockReading{{}, {}, ClockOffset::kEarliestDate - Stamp{1}}).status(),
             TimeStatus::unset);
+}
+
+TEST(ClockOffset, UtimeIsADateOnceAServiceKeepsTheClockAndItIsCloseToIt) {
+  FakeClocks clocks;
+  ClockOffset offset(clocks.read());
+  const auto known_after = [&](Stamp step, bool vouched_for) {
+    clocks.run(kPeriod);
+    clocks.step(step);
+    clocks.vouch(vouched_for);
+    offset.update(clocks.read());
+    return offset.date_known();
+  };
+  EXPECT_FALSE(offset.date_known());
+  EXPECT_TRUE(known_after(seconds(0), true));
+  EXPECT_TRUE(known_after(seconds(50), true));
+  EXPECT_FALSE(known_after(seconds(20), true));  // utime stays where it was, for hours
+  EXPECT_TRUE(known_after(seconds(-70), true));
+  EXPECT_FALSE(known_after(seconds(0), false));
 }
 
 TEST(ClockOffset, TheMachinesOwnClocksAgree) {

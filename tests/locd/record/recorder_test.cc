@@ -32,7 +32,6 @@ RecordingFacts facts(const char* codec) {
 RecorderOptions options() {
   RecorderOptions o;
   o.budget.min_free_bytes = 0;
-  o.name_offset = kWall;
   o.pixels = {std::size_t{64} * 48, std::size_t{64} * 48};
   return o;
 }
@@ -88,7 +87,7 @@ void record(Recorder& recorder, int sets) {
   TwoCameras cameras;
   for (int i = 0; i < sets; ++i) {
     const std::uint64_t before = recorder.state().sets;
-    recorder.offer(cameras.set(i));
+    recorder.offer(cameras.set(i), kWall);
     ASSERT_TRUE(
         eventually([&] { return recorder.state().sets > before || !recorder.state().running(); }));
   }
@@ -134,7 +133,7 @@ TEST(Recorder, JpegIsACaptureToo) {
 TEST(Recorder, WhatNobodyRecordsCostsNothing) {
   Recorder recorder;
   TwoCameras cameras;
-  recorder.offer(cameras.set(0));
+  recorder.offer(cameras.set(0), kWall);
   EXPECT_EQ(recorder.state().drops, 0U);
 }
 
@@ -144,7 +143,8 @@ TEST(Recorder, NeverWaitsForASlowDisk) {
   ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), options()));
   TwoCameras cameras;
   constexpr int kSets = 2000;
-  for (int i = 0; i < kSets; ++i) recorder.offer(cameras.set(i % 20));  // faster than any disk
+  for (int i = 0; i < kSets; ++i)
+    recorder.offer(cameras.set(i % 20), kWall);  // faster than any disk
   end(recorder);
   const auto state = recorder.state();
   EXPECT_GT(state.drops, 0U);
@@ -159,7 +159,7 @@ TEST(Recorder, EveryNthSetIsTaken) {
   ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), chosen));
   TwoCameras cameras;
   for (int i = 0; i < 9; ++i) {
-    recorder.offer(cameras.set(i));
+    recorder.offer(cameras.set(i), kWall);
     ASSERT_TRUE(
         eventually([&] { return recorder.state().sets == static_cast<std::uint64_t>(i / 3 + 1); }));
   }
@@ -174,10 +174,10 @@ TEST(Recorder, AFailureEndsTheRecordingAndIsSaid) {
   chosen.budget.min_free_bytes = std::uint64_t{1} << 60;
   ASSERT_TRUE(begin(recorder, tmp.path(), facts("pgm"), chosen));
   TwoCameras cameras;
-  recorder.offer(cameras.set(0));
+  recorder.offer(cameras.set(0), kWall);
   ASSERT_TRUE(eventually([&] { return !recorder.state().running(); }));
   ASSERT_TRUE(recorder.state().failure);
-  for (int i = 0; i < 100; ++i) recorder.offer(cameras.set(i));  // no effect, no wait
+  for (int i = 0; i < 100; ++i) recorder.offer(cameras.set(i), kWall);  // no effect, no wait
   EXPECT_FALSE(recorder.state().running());
   const TemporaryFolder other;
   ASSERT_TRUE(begin(recorder, other.path(), facts("pgm"), options()));
@@ -200,7 +200,7 @@ TEST(Recorder, ADiskThatStallsHoldsUpNobody) {
   ASSERT_EQ(recorder.state().phase, Recorder::Phase::recording);
   disk.stall();
   TwoCameras cameras;
-  for (int i = 0; i < 100; ++i) recorder.offer(cameras.set(i % 20));
+  for (int i = 0; i < 100; ++i) recorder.offer(cameras.set(i % 20), kWall);
   recorder.stop();
   ASSERT_TRUE(disk.holds_somebody(monotonic_now() + std::chrono::seconds(20)));
   EXPECT_EQ(recorder.state().phase, Recorder::Phase::stopping);
@@ -219,7 +219,7 @@ TEST(Recorder, ARecordingThatIsStoppedBeforeItBeganIsNone) {
   ASSERT_TRUE(disk.holds_somebody(monotonic_now() + std::chrono::seconds(20)));
   recorder.stop();
   TwoCameras cameras;
-  recorder.offer(cameras.set(0));
+  recorder.offer(cameras.set(0), kWall);
   disk.release();
   ASSERT_TRUE(recorder.settle(monotonic_now() + std::chrono::seconds(20)));
   EXPECT_EQ(recorder.state().phase, Recorder::Phase::idle);
@@ -252,7 +252,7 @@ TEST(Recorder, TheFirstSetsFindTheirMemoryThere) {
         Frame(info, {pixels.data(), kSide_px, kSide_px, kSide_px}, nullptr, nullptr, 0);
   }
   const long before = faults();
-  recorder.offer(lease);
+  recorder.offer(lease, kWall);
   EXPECT_LT(faults() - before, kPages / 10);
   end(recorder);
   EXPECT_EQ(recorder.state().sets, 1U);
@@ -268,8 +268,10 @@ TEST(Recorder, ABudgetHoldsFromTheNextSetOn) {
   budget.keep = std::chrono::seconds(2);
   recorder.set_budget(budget);
   TwoCameras cameras;
-  recorder.offer(cameras.set(5));
-  EXPECT_TRUE(eventually([&] { return recorder.state().sets == 3; }));  // of 3, 4 and 5
+  recorder.offer(cameras.set(5), kWall);
+  EXPECT_TRUE(eventually([&] { return recorder.state().sets == 4; }));  // of 2 … 5: no two more go
+  recorder.offer(cameras.set(6), kWall);
+  EXPECT_TRUE(eventually([&] { return recorder.state().sets == 3; }));  // of 4, 5 and 6
   end(recorder);
 }
 
@@ -279,7 +281,7 @@ TEST(Recorder, StartsAndStopsWhileSetsAreOffered) {
   std::atomic<bool> done{false};
   std::thread cameras_thread([&] {
     TwoCameras cameras;
-    for (int i = 0; !done; i = (i + 1) % 20) recorder.offer(cameras.set(i));
+    for (int i = 0; !done; i = (i + 1) % 20) recorder.offer(cameras.set(i), kWall);
   });
   for (int i = 0; i < 20; ++i) {
     EXPECT_TRUE(begin(recorder, tmp.path() / std::to_string(i), facts("pgm"), options()));

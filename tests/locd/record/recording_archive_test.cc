@@ -11,7 +11,9 @@ using test::facts;
 using test::generous;
 using test::image_bytes;
 using test::kStart;
+using test::open_folder;
 using test::set_at;
+using test::writes;
 
 TEST(RecordingFolder, EarlierRecordingsShareTheBudgetAndGoFirst) {
   const TemporaryFolder archive;
@@ -19,23 +21,23 @@ TEST(RecordingFolder, EarlierRecordingsShareTheBudgetAndGoFirst) {
   with_archive.archive = archive.path();
   RecordingBudget budget = generous();
   for (int r = 0; r < 2; ++r) {
-    auto earlier = RecordingFolder::open(archive.path() / std::to_string(r), with_archive, budget);
+    auto earlier = open_folder(archive.path() / std::to_string(r), with_archive, budget);
     ASSERT_TRUE(earlier);
     for (int i = 0; i < 3; ++i) {
-      ASSERT_TRUE(earlier->write_set(set_at(kStart + seconds(100 * r + i))));
+      ASSERT_TRUE(writes(*earlier, kStart + seconds(100 * r + i)));
     }
   }
   archive.write("notes/readme.txt", "not a recording");
   budget.max_bytes = bytes_of(8);
-  auto folder = RecordingFolder::open(archive.path() / "2", with_archive, budget);
+  auto folder = open_folder(archive.path() / "2", with_archive, budget);
   ASSERT_TRUE(folder);
-  ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200))));
+  ASSERT_TRUE(writes(*folder, kStart + seconds(200)));
   EXPECT_TRUE(std::filesystem::exists(archive.path() / "0"));
-  for (int i = 1; i < 4; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200 + i))));
+  for (int i = 1; i < 4; ++i) ASSERT_TRUE(writes(*folder, kStart + seconds(200 + i)));
   EXPECT_FALSE(std::filesystem::exists(archive.path() / "0"));  // the texts count as well
   EXPECT_TRUE(std::filesystem::exists(archive.path() / "1"));
   EXPECT_TRUE(std::filesystem::exists(archive.path() / "notes/readme.txt"));
-  for (int i = 4; i < 12; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(200 + i))));
+  for (int i = 4; i < 12; ++i) ASSERT_TRUE(writes(*folder, kStart + seconds(200 + i)));
   EXPECT_FALSE(std::filesystem::exists(archive.path() / "1"));
   EXPECT_EQ(folder->sets(), 8U);
 }
@@ -56,14 +58,14 @@ TEST(RecordingFolder, WhatLocdDidNotRecordStays) {
     }
   }
   for (const auto& folder : {archive.path() / "ours", elsewhere.path() / "linked"}) {
-    ASSERT_TRUE(RecordingFolder::open(folder, facts(), generous())->write_set(set_at(kStart)));
+    ASSERT_TRUE(open_folder(folder, facts(), generous())->write_set(set_at(kStart)));
   }
   std::filesystem::create_directory_symlink(elsewhere.path() / "linked", archive.path() / "link");
   RecordingBudget budget = generous();
   budget.max_bytes = bytes_of(3);
-  auto folder = RecordingFolder::open(archive.path() / "new", with_archive, budget);
+  auto folder = open_folder(archive.path() / "new", with_archive, budget);
   ASSERT_TRUE(folder);
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(folder->write_set(set_at(kStart + seconds(100 + i))));
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(writes(*folder, kStart + seconds(100 + i)));
   for (const char* name : {"bought", "theirs", "unsaid", "link"}) {
     EXPECT_TRUE(std::filesystem::exists(archive.path() / name / "rig.yaml")) << name;
   }
@@ -74,7 +76,7 @@ TEST(RecordingFolder, ACaptureOfTheSameRigThatLocdDidNotRecordIsNotGoneOnWith) {
   const TemporaryFolder tmp;
   tmp.write("rig.yaml", facts().rig_yaml);
   tmp.write("capture.toml", "software = \"their recorder\"\n");
-  const auto refused = RecordingFolder::open(tmp.path(), facts(), generous());
+  const auto refused = open_folder(tmp.path(), facts(), generous());
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().kind, ErrorKind::cant_create);
 }

@@ -4,11 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "core/capture/capture_folder.h"
 #include "core/capture/image_file.h"
 #include "core/capture/pgm.h"
+#include "drivers/monotonic_clock.h"
 #include "locd/record/recording_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -25,6 +27,7 @@ inline RecordingFacts facts() {
   f.codec = "pgm";
   f.cameras = {"cam0", "cam1"};
   f.sync_tolerance = std::chrono::milliseconds(5);
+  f.date_known = true;
   return f;
 }
 
@@ -35,10 +38,16 @@ inline const std::string& image_bytes() {
   return bytes;
 }
 
+/// What a set takes on the disk: whole blocks.
+inline std::uint64_t set_bytes() {
+  constexpr std::uint64_t kBlock = 4096;
+  return 2 * ((image_bytes().size() + kBlock - 1) / kBlock * kBlock);
+}
+
 /// What this many sets, at most ten, take with their table; less than one more would.
 inline std::uint64_t bytes_of(std::uint64_t sets) {
   constexpr std::uint64_t kTable = 3000;
-  return sets * 2 * image_bytes().size() + kTable;
+  return sets * set_bytes() + kTable;
 }
 
 inline std::vector<RecordedImage> set_at(Stamp stamp) {
@@ -51,6 +60,32 @@ inline std::vector<RecordedImage> set_at(Stamp stamp) {
     images[c].bytes = image_bytes();
   }
   return images;
+}
+
+/// Waits until the folder knows what was there before; false when it takes longer than any disk.
+inline bool know(RecordingFolder& folder) {
+  const Stamp deadline = monotonic_now() + std::chrono::seconds(20);
+  while (!folder.knows_what_was_there()) {
+    if (monotonic_now() > deadline) return false;
+    std::this_thread::yield();
+  }
+  return true;
+}
+
+/// One that knows what was there before.
+inline Expected<RecordingFolder> open_folder(const std::filesystem::path& path,
+                                             const RecordingFacts& facts,
+                                             const RecordingBudget& budget) {
+  auto folder = RecordingFolder::open(path, facts, budget);
+  EXPECT_TRUE(!folder || know(*folder));
+  return folder;
+}
+
+/// Whether a set is written, now.
+inline bool writes(RecordingFolder& folder, Stamp stamp) {
+  const auto written = folder.write_set(set_at(stamp));
+  EXPECT_TRUE(written) << written.error().message;
+  return written && *written;
 }
 
 /// Images in the capture as its readers see it.

@@ -14,9 +14,7 @@ constexpr std::string_view kSmallest =
     "[rig]\ncamchain = \"rig.yaml\"\n"
     "[[camera]]\nname = \"cam0\"\ndriver = \"replay\"\ndevice = \"capture\"\n";
 
-std::string smallest_with(std::string_view more) {
-  return fmt::format("{}\n{}", kSmallest, more);
-}
+std::string smallest_with(std::string_view more) { return fmt::format("{}\n{}", kSmallest, more); }
 
 TEST(Config, TheSmallestOneHasDefaultsForEverythingElse) {
   const auto config = parse_config(kSmallest, "/etc/locd/locd.toml");

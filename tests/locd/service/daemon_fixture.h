@@ -46,12 +46,23 @@ class FakeSystemd {
     ::unsetenv("WATCHDOG_USEC");
   }
 
-  /// Listens, as systemd always does: who speaks waits when ten messages are unheard.
+  /// Listens, as systemd always does: who speaks waits when ten messages are unheard. Of a datagram
+  /// longer than the buffer systemd takes nothing.
   void listen() {
     std::array<char, 4096> buffer{};
-    for (ssize_t got = 0; (got = ::recv(socket_.get(), buffer.data(), buffer.size(), 0)) > 0;) {
-      heard_.append(buffer.data(), static_cast<std::size_t>(got)).append("\n");
+    for (ssize_t got = 0;
+         (got = ::recv(socket_.get(), buffer.data(), buffer.size(), MSG_TRUNC)) > 0;) {
+      const auto bytes = static_cast<std::size_t>(got);
+      if (bytes > buffer.size()) continue;
+      const std::string datagram(buffer.data(), bytes);
+      datagrams_.push_back(datagram);
+      heard_.append(datagram).append("\n");
     }
+  }
+  /// All that was ever heard.
+  [[nodiscard]] const std::vector<std::string>& datagrams() {
+    listen();
+    return datagrams_;
   }
   /// Everything heard since the last call.
   [[nodiscard]] std::string heard() {
@@ -63,6 +74,7 @@ class FakeSystemd {
   TemporaryFolder folder_;
   Descriptor socket_;
   std::string heard_;
+  std::vector<std::string> datagrams_;
 };
 
 /// The machine's clocks under a test's hand: CLOCK_MONOTONIC is the service loop's, the others run
@@ -70,9 +82,10 @@ class FakeSystemd {
 struct SimulatedClocks {
   Stamp wall_ahead = std::chrono::seconds(1'800'000'000);
   Stamp slept{0};
+  bool vouched_for = false;
 
   [[nodiscard]] ClockReading at(Stamp monotonic) const {
-    return {monotonic, monotonic + slept, monotonic + wall_ahead};
+    return {monotonic, monotonic + slept, monotonic + wall_ahead, vouched_for};
   }
 };
 

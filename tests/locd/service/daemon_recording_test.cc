@@ -1,4 +1,6 @@
 // Recordings as the daemon's operators see them.
+#include <cstdlib>
+
 #include "core/capture/capture_folder.h"
 #include "core/capture/image_file.h"
 #include "tests/locd/service/daemon_fixture.h"
@@ -185,6 +187,143 @@ TEST_F(DaemonTest, ARecordingWithoutMarkersSaysWhatToSet) {
   EXPECT_THAT(alert("RECORDING", false)->text, HasSubstr("without markers.toml"));
   EXPECT_THAT(alert("RECORDING", false)->text, HasSubstr("[record] markers"));
   EXPECT_FALSE(std::filesystem::exists(answer.substr(3, answer.size() - 4) + "/markers.toml"));
+}
+
+TEST_F(DaemonTest, AnArchiveOnASlowDiskHoldsUpNoAnswer) {
+  test::FakeSystemd& systemd = with_systemd();
+  tmp_.write("recordings/earlier/readme", "");
+  DiskDouble disk;
+  start();
+  disk.stall_listing("recordings");
+  EXPECT_THAT(request("start"), StartsWith("ok /"));
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return !statuses_.empty() && statuses_.back().recorded_sets > 3;
+  }));
+  EXPECT_THAT(systemd.heard(), HasSubstr("WATCHDOG=1"));
+  disk.release();
+  EXPECT_THAT(request("stop"), StartsWith("ok /"));
+}
+
+TEST_F(DaemonTest, RecordingsGoBelowTheStateFolderWhereNothingElseIsSaid) {
+  tmp_.write("locd.toml",
+             "[rig]\ncamchain = \"rig.yaml\"\n[lcm]\nurl = \"memq://\"\n"
+             "[[camera]]\nname = \"cam0\"\ndriver = \"v4l2\"\ndevice = \"left\"\n"
+             "[[camera]]\nname = \"cam1\"\ndriver = \"v4l2\"\ndevice = \"right\"\n"
+             "[record]\nmin_free_bytes = 0\n");
+  start();
+  EXPECT_THAT(request("start"), StartsWith("ok " + (tmp_.path() / "recordings").string() + "/"));
+}
+
+/// Recordings of one vehicle, started again and again under clocks of all kinds.
+class ClocksAndRecordings : public DaemonTest {
+ protected:
+  ClocksAndRecordings() { write_config("keep_s = 1\n"); }
+
+  /// Records for a while in a run of locd of its own; the folder.
+  std::filesystem::path record_under(Stamp wall, bool vouched_for) {
+    clocks_.wall_ahead = wall - monotonic_now();
+    clocks_.vouched_for = vouched_for;
+    start();
+    const std::string answer = request("start");
+    EXPECT_THAT(answer, StartsWith("ok "));
+    EXPECT_TRUE(turn_until([&] {
+      give_set();
+      return !statuses_.empty() && statuses_.back().recorded_sets > 3;
+    }));
+    EXPECT_THAT(request("stop"), StartsWith("ok "));
+    EXPECT_TRUE(daemon_->stop(seconds(20)));
+    daemon_.reset();
+    cameras_.clear();
+    statuses_.clear();
+    return answer.substr(3, answer.size() - 4);
+  }
+  static std::size_t images_in(const std::filesystem::path& folder) {
+    const auto capture = open_capture_folder(folder);
+    return capture ? capture->images.size() : 0;
+  }
+
+  static constexpr Stamp kToday = seconds(1'800'000'000);
+};
+
+TEST_F(ClocksAndRecordings, ARoundOf1970IsNotDeletedOnceTheClockIsRight) {
+  const auto round = record_under(seconds(100), false);
+  const std::size_t images = images_in(round);
+  EXPECT_GT(images, 0U);
+  record_under(kToday, true);
+  EXPECT_EQ(images_in(round), images);
+}
+
+TEST_F(ClocksAndRecordings, AClockThatIsYearsAheadDeletesNothing) {
+  const auto round = record_under(kToday, true);
+  const std::size_t images = images_in(round);
+  record_under(kToday + std::chrono::hours(9 * 365 * 24), false);
+  EXPECT_EQ(images_in(round), images);
+  record_under(kToday + std::chrono::milliseconds(100), false);
+  EXPECT_EQ(images_in(round), images);
+}
+
+TEST_F(ClocksAndRecordings, WhatIsOldByClocksThatWereKeptGoes) {
+  const auto round = record_under(kToday, true);
+  EXPECT_GT(images_in(round), 0U);
+  clocks_.wall_ahead += std::chrono::hours(1);
+  start();
+  ASSERT_THAT(request("start"), StartsWith("ok "));
+  EXPECT_TRUE(turn_until([&] {
+    give_set();
+    return !std::filesystem::exists(round);
+  }));
+}
+
+TEST_F(ClocksAndRecordings, AClockThatIsCorrectedWhileItRecordsDatesNothing) {
+  const auto round = record_under(kToday, true);
+  const std::size_t images = images_in(round);
+  clocks_.wall_ahead = seconds(100) - monotonic_now();
+  clocks_.vouched_for = false;
+  start();
+  ASSERT_THAT(request("start"), StartsWith("ok "));
+  clocks_.wall_ahead += kToday + std::chrono::hours(1);  // a time service has come
+  clocks_.vouched_for = true;
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return !statuses_.empty() && statuses_.back().recorded_sets > 3;
+  }));
+  EXPECT_EQ(images_in(round), images);
+}
+
+TEST_F(DaemonTest, AFramesNameIsItsPosesUtimeAlsoWhileUtimeFollowsTheClock) {
+  start();
+  const std::string answer = request("start");
+  ASSERT_THAT(answer, StartsWith("ok "));
+  clocks_.wall_ahead += seconds(30);  // utime comes after it for hours
+  ASSERT_TRUE(turn_until([&] {
+    give_set();
+    return !statuses_.empty() && statuses_.back().recorded_sets > 40;
+  }));
+  ASSERT_THAT(request("stop"), StartsWith("ok "));
+  const auto capture = open_capture_folder(answer.substr(3, answer.size() - 4));
+  ASSERT_TRUE(capture) << capture.error().message;
+  std::size_t found = 0;
+  for (const ImageFile& image : capture->images) {
+    const std::int64_t name_us = image.stamp.count() / 1000;
+    for (const pose_t& pose : poses_) {  // a set that was passed over has none
+      if (std::abs(pose.utime - name_us) > 5000) continue;
+      EXPECT_EQ(pose.utime, name_us);
+      ++found;
+    }
+  }
+  EXPECT_GT(found, 20U);
+}
+
+TEST_F(DaemonTest, AQuarantineThatCantBeReadIsSaidAndKept) {
+  tmp_.write("quarantine.json", "{\"map_ha");
+  start();
+  turn_for(seconds(2));
+  ASSERT_NE(alert("QUARANTINE", true), nullptr);
+  EXPECT_THAT(alert("QUARANTINE", true)->text, HasSubstr("quarantine.json.damaged"));
+  ASSERT_FALSE(statuses_.empty());
+  EXPECT_THAT(statuses_.back().text, HasSubstr("quarantine.json.damaged"));
+  EXPECT_EQ(tmp_.read("quarantine.json.damaged"), "{\"map_ha");
 }
 
 }  // namespace

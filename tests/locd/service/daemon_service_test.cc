@@ -77,6 +77,17 @@ TEST_F(DaemonTest, AWrongCameraRefusesTheStartAlsoOfAServiceThatWaitsForNone) {
   EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
 }
 
+TEST_F(DaemonTest, ARigFileOfManyUnknownKeysIsToldInFewLines) {
+  std::string rig = tiny_rig_yaml(2);
+  for (int i = 0; i < 5'000; ++i) rig += "  key_" + std::to_string(i) + ": 1\n";
+  tmp_.write("rig.yaml", rig);
+  testing::internal::CaptureStderr();
+  start();
+  const std::string lines = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(lines, HasSubstr("more like these"));
+  EXPECT_LT(std::count(lines.begin(), lines.end(), '\n'), 40);
+}
+
 TEST_F(DaemonTest, OnceReadyAWrongCameraIsAMissingOne) {
   FakeSystemd& systemd = with_systemd();
   start();

@@ -154,7 +154,31 @@ TEST_F(DaemonTest, ABadReloadIsRefusedWholeAndSaid) {
        "[sync]"},
       {"unknown key",
        [&](auto& tmp) { tmp.write("locd.toml", good_config + "[solve]\nfast = true\n"); },
-       "unknown key \"fast\""}};
+       "unknown key \"fast\""},
+      {"map that no camera can see",
+       [](auto& tmp) {
+         MarkerMap map = test::small_map();
+         for (SubMap& submap : map.submaps) {
+           for (MapMarker& marker : submap.markers) marker.id.family = Family::tagstandard52h13;
+         }
+         EXPECT_TRUE(write_map_file(tmp.path() / "hall.map", map));
+       },
+       "tagstandard52h13"},
+      {"endless key",
+       [&](auto& tmp) {
+         tmp.write("locd.toml", good_config + "[solve]\n" + std::string(140'000, 'k') + " = 1\n");
+       },
+       "bytes) …"},
+      {"endless key of the rig",
+       [&](auto& tmp) {
+         tmp.write("rig.yaml", good_rig + "  ? T_" + std::string(140'000, 'k') + "\n  : 1\n");
+       },
+       "bytes) …"},
+      {"orders to systemd and the terminal",
+       [&](auto& tmp) {
+         tmp.write("rig.yaml", good_rig + "  \"T_x\\nWATCHDOG=trigger\\e[2J\": 1\n");
+       },
+       "T_x\\nWATCHDOG=trigger\\x1b[2J"}};
   for (const BadReload& bad : cases) {
     bad.spoil(tmp_);
     alerts_.clear();
@@ -163,6 +187,7 @@ TEST_F(DaemonTest, ABadReloadIsRefusedWholeAndSaid) {
     const alert_t* const refused = alert("RELOAD", true);
     ASSERT_NE(refused, nullptr) << bad.what;
     EXPECT_THAT(refused->text, HasSubstr(bad.says)) << bad.what;
+    EXPECT_EQ(refused->text.find('\n'), std::string::npos) << bad.what;
     EXPECT_THAT(statuses_.back().reload_refused, HasSubstr(bad.says)) << bad.what;
     EXPECT_EQ(statuses_.back().map_hash, content_hash(test::small_map())) << bad.what;
     tmp_.write("hall.map", good_map);
@@ -172,6 +197,16 @@ TEST_F(DaemonTest, ABadReloadIsRefusedWholeAndSaid) {
   daemon_->reload();
   turn_for(seconds(2));
   EXPECT_EQ(statuses_.back().reload_refused, "");
+}
+
+TEST_F(DaemonTest, AMapWithSomeMarkersThatNoCameraSeesIsUsed) {
+  MarkerMap mixed = test::small_map();
+  mixed.submaps[0].markers.back().id = {Family::tagstandard52h13, 40'000};
+  start();
+  ASSERT_TRUE(write_map_file(tmp_.path() / "hall.map", mixed));
+  daemon_->reload();
+  ASSERT_TRUE(
+      turn_until([&] { return !poses_.empty() && poses_.back().map_hash == content_hash(mixed); }));
 }
 
 TEST_F(DaemonTest, YawIsToldWhereTheMapSaysThatItsZIsUp) {

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "core/capture/pgm.h"
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
 #include "tests/support/room_capture.h"
@@ -65,12 +66,65 @@ TEST_F(ReplayCommand, AStopEndsItWithWhatThereIs) {
   EXPECT_EQ(out_.str(), "0 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 0 LOST\n");
 }
 
+/// The same map of markers that images don't show.
+MarkerMap of_other_family(MarkerMap map) {
+  for (SubMap& submap : map.submaps) {
+    for (MapMarker& marker : submap.markers) marker.id.family = Family::tagstandard52h13;
+  }
+  return map;
+}
+
+TEST_F(ReplayCommand, AMapOfMarkersThatImagesDontShowServesDetections) {
+  ASSERT_TRUE(write_map_file(folder_.path() / "room.map", of_other_family(test::room_map(room_))));
+  const auto status = run("a.tum");
+  ASSERT_TRUE(status) << status.error().message;
+  EXPECT_EQ(out_.str(), "60 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 60 LOST\n");
+}
+
+TEST_F(ReplayCommand, ARigWithoutTransformsIsRefused) {
+  std::string rig = folder_.read("rig.yaml");
+  for (std::size_t at = 0; (at = rig.find("  T_c")) != std::string::npos;) {
+    std::size_t end = at;
+    for (int line = 0; line < 5; ++line) end = rig.find('\n', end) + 1;
+    rig.erase(at, end - at);
+  }
+  ASSERT_NE(rig, folder_.read("rig.yaml")) << "one camera only";
+  folder_.write("rig.yaml", rig);
+  const auto status = run("a.tum");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::bad_data);
+  EXPECT_NE(status.error().message.find("T_cn_cnm1"), std::string::npos) << status.error().message;
+}
+
 TEST_F(ReplayCommand, SaysWhatIsWrong) {
   std::filesystem::remove(folder_.path() / "room.map");
   EXPECT_EQ(run("a.tum").error().kind, ErrorKind::no_input);
   folder_.write("room.map", "no map");
   EXPECT_EQ(run("a.tum").error().kind, ErrorKind::bad_data);
   EXPECT_EQ(folder_.read("a.tum"), "");
+}
+
+/// Images alone: the detections are taken away.
+TEST_F(ReplayCommand, ImagesThatCanNotBeUsedAreSaid) {
+  std::filesystem::remove(folder_.path() / "detections.csv");
+  for (int i = 0; i < 20; ++i) {
+    for (std::size_t camera = 0; camera < room_.rig.cameras.size(); ++camera) {
+      folder_.write(fmt::format("{}/{}.pgm", room_.rig.cameras[camera].name, i * 50'000'000),
+                    i % 2 == 0 ? "" : "P5 3 3 255\n123456789");
+    }
+  }
+  const Status none = run("none.tum");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().kind, ErrorKind::bad_data);
+  EXPECT_NE(none.error().message.find("no image of"), std::string::npos) << none.error().message;
+  EXPECT_NE(none.error().message.find("the first: "), std::string::npos) << none.error().message;
+
+  const CameraParameters& camera = room_.rig.cameras[0].model.parameters();
+  folder_.write(fmt::format("{}/{}.pgm", room_.rig.cameras[0].name, 0),
+                encode_pgm(GrayImage(camera.width_px, camera.height_px).view()));
+  const Status some = run("some.tum");
+  ASSERT_TRUE(some) << some.error().message;
+  EXPECT_NE(notes_.str().find("images left out; the first: "), std::string::npos) << notes_.str();
 }
 
 }  // namespace

@@ -26,6 +26,14 @@ class InfoCommand : public ::testing::Test {
   std::string hash_;
 };
 
+TEST_F(InfoCommand, AMapsTextsGiveTheTerminalNoOrders) {
+  MarkerMap map = test::small_map();
+  map.builder_version = "0.1\x1b[2J\n\u009b1m";
+  ASSERT_TRUE(write_map_file(folder_.path() / "a.map", map));
+  EXPECT_NE(info(false).find("built by         0.1\\x1b[2J\\n\\u009b1m\n"), std::string::npos);
+  EXPECT_NE(info(true).find(R"("builder_version": "0.1\u001b[2J\n\u009b1m")"), std::string::npos);
+}
+
 TEST_F(InfoCommand, JsonIsAsInTheGoldenFile) {
   EXPECT_EQ(info(true), R"({
   "schema": 1,

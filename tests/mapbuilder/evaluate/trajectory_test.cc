@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "mapbuilder/build/output_paths.h"
 #include "tests/support/temporary_folder.h"
@@ -61,6 +62,23 @@ TEST(TrajectoryFiles, DamagedOnesAreBadData) {
 Stamp at_us(std::int64_t us) { return std::chrono::microseconds(us); }
 
 Rigid3 pose_at(double x) { return {Eigen::Quaterniond::Identity(), {x, 0, 0}}; }
+
+TEST(TrajectoryFiles, WhatCantBeLookedIntoIsSaidAndThrowsNothing) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("loop", folder.path() / "loop");
+  for (const char* name : {"loop", "loop/rig.tum"}) {
+    const auto read = read_trajectories(folder.path() / name, 0);
+    ASSERT_FALSE(read) << name;
+    EXPECT_EQ(read.error().kind, ErrorKind::no_input) << name;
+  }
+  if (::geteuid() == 0) return;  // the superuser may look everywhere
+  folder.write("closed/rig.tum", std::string("1") + kPose);
+  std::filesystem::permissions(folder.path() / "closed", std::filesystem::perms::none);
+  const auto read = read_trajectories(folder.path() / "closed" / "rig.tum", 0);
+  std::filesystem::permissions(folder.path() / "closed", std::filesystem::perms::owner_all);
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().kind, ErrorKind::permission);
+}
 
 TEST(MatchWithTruth, TakesTheNearestTruePoseWithinAMillisecond) {
   const std::vector<StampedPose> truth{

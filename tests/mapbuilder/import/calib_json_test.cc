@@ -63,9 +63,9 @@ TEST_P(BadCalibJson, IsRefusedInOneLine) {
 INSTANTIATE_TEST_SUITE_P(
     Cases, BadCalibJson,
     testing::Values(
-        BadInput{"Empty", "", "not a JSON object"},
-        BadInput{"Cut", "{\"K\": [", "not a JSON object"},
-        BadInput{"Array", "[1, 2]", "not a JSON object"},
+        BadInput{"Empty", "", "not valid JSON"}, BadInput{"Cut", "{\"K\": [", "not valid JSON"},
+        BadInput{"Array", "[1, 2]", "is no object"},
+        BadInput{"DeepMatrix", "{\"K\": [[[[[[[[[]]]]]]]]]}", "nested deeper than 8 levels"},
         BadInput{"NoKeys", "{}", "keys seen: none"},
         BadInput{
             "OtherKeys", R"({"focal": 600, "dist": []})",
@@ -91,6 +91,16 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"SizeAsText", "{" FOCAL R"(, "dist": [], "resolution": "640x480"})",
                  "two whole numbers"}),
     bad_input_name);
+
+TEST(CalibJson, DepthTakesNoStack) {
+  for (const char* level : {"[", "{\"K\":", "{\"dist\":[["}) {
+    std::string text;
+    for (int i = 0; i < 300'000; ++i) text += level;
+    const auto calib = parse_calib_json(text, "calib.json");
+    ASSERT_FALSE(calib);
+    EXPECT_EQ(calib.error().kind, ErrorKind::bad_data);
+  }
+}
 
 TEST(CalibJson, AbsentFileIsNoInput) {
   const TemporaryFolder folder;

@@ -103,6 +103,36 @@ TEST(BadUse, OfTheCommandLineIs64) {
   EXPECT_EQ(run_mapbuilder({"--version"}).exit_code, 0);
 }
 
+TEST(BadUse, OptionsLieInTheirRanges) {
+  for (const char* option :
+       {"--gate-sigmas", "--loss-sigmas", "--lambda-distance", "--lambda-angle",
+        "--lambda-ambiguity", "--epsilon-rad", "--max-distance-m", "--max-angle-rad"}) {
+    for (const char* value : {"nan", "-nan", "inf", "-1", "1e999"}) {
+      const auto run =
+          run_mapbuilder({"build", "room", "-o", "m", fmt::format("{}={}", option, value)});
+      EXPECT_EQ(run.exit_code, 64) << option << " " << value;
+      EXPECT_NE(run.err.find("is no number from"), std::string::npos) << run.err;
+    }
+  }
+}
+
+TEST(BadOutput, LinksThatLeadInCirclesAreSaid) {
+  const test::TemporaryFolder folder;
+  test::write_capture(test::make_room({}), folder.path() / "room");
+  std::filesystem::create_symlink("loop", folder.path() / "loop");
+  const std::string room = (folder.path() / "room").string();
+  const std::string loop = (folder.path() / "loop").string();
+  const std::string map = (folder.path() / "good.map").string();
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"build", room, "-o", loop},
+                                             {"build", room, "-o", loop, "--trajectory", loop},
+                                             {"build", room, "-o", map, "--trajectory", loop}}) {
+    const auto run = run_mapbuilder(arguments);
+    EXPECT_TRUE(run.exit_code == 73 || run.exit_code == 64) << run.exit_code << run.err;
+    EXPECT_EQ(test::error_lines(run), 1) << run.err;
+  }
+}
+
 TEST(BadOutput, IsSaidBeforeTheWork) {
   const test::TemporaryFolder folder;
   test::write_capture(test::make_room({}), folder.path() / "room");

@@ -1,0 +1,18 @@
+#include "core/map/map_file.h"
+
+#include "core/map/map_records.h"
+#include "tests/fuzz/format.h"
+#include "tests/support/small_map.h"
+
+namespace waymark::test {
+namespace {
+
+const AddFormat container({"MapFile",
+                           {encode_map(small_map()).value()},
+                           {"WAYMARK\n"},
+                           reader([](const std::string& bytes) {
+                             return decode_map(bytes, "hall.map");
+                           })});
+
+}  // namespace
+}  // namespace waymark::test
