@@ -2,6 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <random>
 
 #include "precompiled_common.h"

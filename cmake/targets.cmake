@@ -10,6 +10,8 @@ set(CMAKE_BUILD_RPATH ${WAYMARK_MODULE_FOLDER})
 set(CMAKE_INSTALL_RPATH $ORIGIN/../lib/waymark)
 
 set(WAYMARK_FAST $<$<CONFIG:Release>:-O3>)
+# Tests' own sources: they are compiled more often than they run, and spend their time in what they test, which is optimized as ever.
+set(WAYMARK_TESTS_OWN $<$<CONFIG:Release>:-O1>)
 
 # Headers that nearly every source includes are compiled once for all of them. Sources still include what they use:
 # scripts/check builds without. GCC optimizes whatever uses a precompiled header as that header was, so that there is one per kind of
@@ -17,7 +19,8 @@ set(WAYMARK_FAST $<$<CONFIG:Release>:-O3>)
 function(waymark_precompiled kind header)
   add_library(waymark_precompiled_${kind} OBJECT ${PROJECT_BINARY_DIR}/precompiled_headers.cc)
   target_precompile_headers(waymark_precompiled_${kind} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${header})
-  target_link_libraries(waymark_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt tl::expected waymark_warnings)
+  target_link_libraries(waymark_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json
+                        tl::expected waymark_warnings)
 endfunction()
 if(WAYMARK_PRECOMPILED_HEADERS)
   file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/precompiled_headers.cc CONTENT "")
@@ -26,6 +29,7 @@ if(WAYMARK_PRECOMPILED_HEADERS)
   target_compile_options(waymark_precompiled_fast PRIVATE ${WAYMARK_FAST})
   if(WAYMARK_TESTS)
     waymark_precompiled(tests precompiled_tests.h)
+    target_compile_options(waymark_precompiled_tests PRIVATE ${WAYMARK_TESTS_OWN})
     target_link_libraries(waymark_precompiled_tests PRIVATE GTest::gmock)
   endif()
 endif()
@@ -97,6 +101,7 @@ function(waymark_test name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LIBS} GTest::gtest_main GTest::gmock waymark_warnings)
+  target_compile_options(${name} PRIVATE ${WAYMARK_TESTS_OWN})
   waymark_precompile(${name} tests)
   set(properties TIMEOUT ${ARG_TIMEOUT})
   if(ARG_LABELS)  # an empty value would vanish and shift what follows it
