@@ -17,7 +17,8 @@
 #include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
-#include "mapbuilder/diagnosis/diagnosed_build.h"
+#include "mapbuilder/diagnosis/clock_findings.h"
+#include "mapbuilder/diagnosis/explained_build.h"
 #include "mapbuilder/diagnosis/frame_findings.h"
 #include "mapbuilder/diagnosis/quarantine_findings.h"
 #include "mapbuilder/report/report_folder.h"
@@ -232,6 +233,21 @@ void append(std::vector<Finding> more, std::vector<Finding>& findings) {
   for (Finding& finding : more) findings.push_back(std::move(finding));
 }
 
+/// What the stamps of each capture tell of its cameras' clocks.
+std::vector<Finding> clock_findings(const std::vector<DetectedCapture>& captures) {
+  std::vector<Finding> findings;
+  for (const DetectedCapture& capture : captures) {
+    std::vector<StampedImage> images;
+    for (const ImageDetections& image : capture.images) {
+      images.push_back({image.camera, image.stamp});
+    }
+    std::vector<std::string> cameras;
+    for (const RigCamera& camera : capture.rig.cameras) cameras.push_back(camera.name);
+    append(clock_findings(images, cameras, capture.sync_tolerance), findings);
+  }
+  return findings;
+}
+
 /// What an earlier map and a vehicle's quarantine lead to: the world kept, and findings.
 std::vector<Finding> take_over(const References& references, const BuildCommandOptions& options,
                                bool with_family, BuildResult& result) {
@@ -332,12 +348,12 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   if (!references) return tl::make_unexpected(references.error());
   const auto truths =
       options.report ? read_truths(taken->captures, notes) : std::vector<CaptureTruth>{};
-  const auto made =
-      make_observations(taken->captures, {options.mono, options.input.detect.threads});
+  const ObservationOptions observing{options.mono, options.input.detect.threads};
+  auto made = make_observations(taken->captures, observing);
   if (!made) return tl::make_unexpected(made.error());
-  const Observations& observations = *made;
   std::vector<Finding> findings = std::move(taken->findings);
-  append(baseline_findings(observations), findings);
+  append(baseline_findings(*made), findings);
+  if (!options.mono) append(clock_findings(taken->captures), findings);
   findings = judged(std::move(findings), options.rules);
   if (!may_stand(findings, options.rules)) {
     print_findings(findings, notes);
@@ -349,8 +365,12 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   build.survey = references->survey;
   build.threads = options.input.detect.threads;
   const auto started = std::chrono::steady_clock::now();
-  DiagnosedBuild diagnosed = build_and_diagnose(observations, build, {}, progress);
+  auto explained = build_explained(taken->captures, *std::move(made), observing, build, progress);
+  if (!explained) return tl::make_unexpected(explained.error());
+  const Observations& observations = explained->observations;
+  DiagnosedBuild& diagnosed = explained->diagnosed;
   BuildResult& result = diagnosed.result;
+  append(std::move(explained->causes), findings);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   if (result.submaps.empty()) {
     print_findings(findings, notes);

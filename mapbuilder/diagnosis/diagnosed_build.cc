@@ -70,7 +70,8 @@ std::optional<std::size_t> submap_of(const BuildResult& result, MarkerId marker)
 }  // namespace
 
 DiagnosedBuild build_and_diagnose(const Observations& observations, const BuildOptions& options,
-                                  const DiagnosisOptions& diagnosis_options, Progress& progress) {
+                                  const DiagnosisOptions& diagnosis_options, Progress& progress,
+                                  std::optional<BuildResult> first) {
   // One build where nothing is wrong; what something worse hid, or made look wrong, shows in the
   // second and third.
   constexpr int kMostBuilds = 5;
@@ -78,7 +79,8 @@ DiagnosedBuild build_and_diagnose(const Observations& observations, const BuildO
   Corrections corrections;
   for (int builds = 1;; ++builds) {
     const Selection selection(observations, corrections);
-    build.result = build_map(selection, options, progress);
+    build.result =
+        first ? *std::exchange(first, std::nullopt) : build_map(selection, options, progress);
     const PreparedObservations prepared(selection, build.result.evidence(),
                                         effective_threads(options.threads));
     const auto diagnoses = diagnose(prepared, build.result, options, diagnosis_options);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "mapbuilder/build/map_builder.h"
@@ -18,10 +19,12 @@ struct DiagnosedBuild {
 /// without them (with the fitted sizes) until the diagnosis stays the same, five times at most;
 /// once where the map rests on nothing that is wrong. Every diagnosis judges all observations,
 /// those left out before included: what only seemed wrong in a map that something worse had bent is
-/// acquitted.
+/// acquitted. `first` is the first of these builds where it was made already, with the same
+/// options.
 [[nodiscard]] DiagnosedBuild build_and_diagnose(const Observations& observations,
                                                 const BuildOptions& options,
                                                 const DiagnosisOptions& diagnosis,
-                                                Progress& progress);
+                                                Progress& progress,
+                                                std::optional<BuildResult> first = std::nullopt);
 
 }  // namespace waymark

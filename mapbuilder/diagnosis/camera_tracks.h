@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/geometry/rigid3.h"
+#include "core/geometry/stamp.h"
+#include "mapbuilder/build/map_builder.h"
+
+namespace waymark {
+
+/// Where a camera stood in one frame set, as its own image tells.
+struct TrackedPlace {
+  Rigid3 world_from_cam;
+  Matrix6d information;  ///< inverse covariance of world_from_cam's tangent (1/m², 1/rad²)
+};
+
+/// The places of a rig's cameras in one world, each told by its own images alone: what remains
+/// true whatever the rig file and the clocks say.
+struct CameraTracks {
+  struct Instant {
+    Stamp stamp{0};                                   ///< of the frame set
+    std::vector<std::optional<TrackedPlace>> places;  ///< per camera of the rig
+  };
+  std::vector<std::string> cameras;  ///< names, in the rig's order
+  std::vector<Instant> instants;     ///< by rising stamp
+};
+
+/// The tracks of one capture's cameras in the largest sub-map of a mono build, in which every image
+/// has a pose of its own. Instants are the capture's frame sets; ambiguous images have no place.
+[[nodiscard]] CameraTracks tracks_of(const Observations& mono, const BuildResult& result,
+                                     CaptureIndex capture, const Rig& rig, Stamp sync_tolerance);
+
+}  // namespace waymark

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/error.h"
+#include "mapbuilder/diagnosis/diagnosed_build.h"
+#include "mapbuilder/observations/detected_capture.h"
+
+namespace waymark {
+
+/// A build whose captures were put right where rig file, clocks or lenses contradict the images.
+struct ExplainedBuild {
+  Observations observations;  ///< of the captures put right
+  DiagnosedBuild diagnosed;
+  std::vector<Finding> causes;  ///< what was put right, or left out; errors
+};
+
+/// Builds and diagnoses the map of captures, from the top of the chain: where the observations
+/// contradict the build as a whole, or another rig would explain it much better, the cause is
+/// looked for in lenses, rig file and clocks first (explain_captures), and markers are judged only
+/// by what is left when it is out of the way. A camera that merely stands elsewhere than stated is
+/// left to the calibration's own judgement (calibration_findings). `observations` are those of the
+/// captures, made as `observing` says. Errors: those of make_observations.
+[[nodiscard]] Expected<ExplainedBuild> build_explained(const std::vector<DetectedCapture>& captures,
+                                                       Observations observations,
+                                                       const ObservationOptions& observing,
+                                                       const BuildOptions& options,
+                                                       Progress& progress);
+
+}  // namespace waymark

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "mapbuilder/build/map_builder.h"
+
+namespace waymark {
+
+/// How well a build fits its observations, beside how well each observation fits a pose of its own:
+/// the yardstick of what the corners are worth, whatever rig, clocks and map are. Per axis (px), by
+/// medians, so that a few wrong ids have no say; infinite where there is nothing to judge.
+struct FitQuality {
+  double own_px = 0;    ///< of markers' own poses, two freedoms each
+  double joint_px = 0;  ///< of all usable observations in the build, those without a pose as far
+                        ///< off as can be
+  /// Something that all observations share is wrong: corners are good for `own_px`, and together
+  /// they miss by more than four times that and a fifth of a pixel.
+  [[nodiscard]] bool contradicts() const { return joint_px > 4.0 * own_px && joint_px > 0.2; }
+};
+
+[[nodiscard]] FitQuality fit_quality(const Selection& selection, const BuildResult& result);
+
+}  // namespace waymark
