@@ -66,7 +66,7 @@ struct Row {
   Stamp stamp{0};
   int camera = 0;
   std::optional<Detection> detection;
-  bool marker_unknown = false;
+  std::optional<MarkerId> unknown_marker;
 };
 
 class Reader {
@@ -109,6 +109,13 @@ class Reader {
   }
 
  private:
+  [[nodiscard]] bool is_ignored(const MarkerId& id) const {
+    const auto& entries = catalog_.entries();
+    return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) {
+      return entry.family == id.family && entry.ignored.contains(id.number);
+    });
+  }
+
   template <typename... Args>
   [[nodiscard]] tl::unexpected<Error> bad_row(fmt::format_string<Args...> format,
                                               Args&&... args) const {
@@ -132,7 +139,10 @@ class Reader {
     if (!row) return tl::make_unexpected(row.error());
     std::vector<Detection>& image = images[{row->stamp, row->camera}];
     if (row->detection) image.push_back(std::move(*row->detection));
-    table.unknown_markers += row->marker_unknown ? 1 : 0;
+    if (row->unknown_marker) {
+      ++table.unknown_markers;
+      if (!is_ignored(*row->unknown_marker)) ++table.unlisted[*row->unknown_marker];
+    }
     return {};
   }
 
@@ -247,8 +257,10 @@ class Reader {
       }
       detection.hamming = *hamming;
     }
-    row.marker_unknown = !catalog_.size_m(detection.marker);
-    if (row.marker_unknown) return row;
+    if (!catalog_.size_m(detection.marker)) {
+      row.unknown_marker = detection.marker;
+      return row;
+    }
     if (orders_.add(detection.corners)) row.detection = detection;
     return row;
   }

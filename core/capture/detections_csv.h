@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -15,9 +16,10 @@ namespace waymark {
 /// (marker id, then corners), so that the order of the rows leaves no trace.
 struct DetectionsTable {
   std::vector<ImageDetections> images;
-  std::string detector;             ///< from our own first line, empty otherwise
-  std::string markers_fingerprint;  ///< likewise
-  int unknown_markers = 0;          ///< rows whose marker the catalog ignores or lacks; left out
+  std::string detector;              ///< from our own first line, empty otherwise
+  std::string markers_fingerprint;   ///< likewise
+  int unknown_markers = 0;           ///< rows whose marker the catalog ignores or lacks; left out
+  std::map<MarkerId, int> unlisted;  ///< of these, those that it lacks: rows of each
   /// Rows whose corners do not run clockwise in the image, as top-left, top-right, bottom-right,
   /// bottom-left do wherever the camera stands; left out. Many: another tool's corner order.
   int misordered = 0;

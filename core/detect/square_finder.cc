@@ -45,9 +45,7 @@ cv::Mat pixels_of(const GrayView& image) {
           image.stride_bytes};
 }
 
-}  // namespace
-
-std::vector<ImageCorners> find_squares(const GrayView& image, double min_side_px) {
+std::vector<ImageCorners> squares_in(const GrayView& image, double min_side_px) {
   std::vector<ImageCorners> squares;
   if (std::min(image.width_px, image.height_px) < min_side_px) return squares;
   const auto parameters = cv::aruco::DetectorParameters::create();
@@ -66,7 +64,7 @@ std::vector<ImageCorners> find_squares(const GrayView& image, double min_side_px
   return squares;
 }
 
-std::vector<ImageCorners> find_code_areas(const GrayView& image, double min_side_px) {
+std::vector<ImageCorners> code_areas_in(const GrayView& image, double min_side_px) {
   std::vector<ImageCorners> areas;
   cv::Mat bright;
   cv::threshold(pixels_of(image), bright, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
@@ -92,6 +90,26 @@ std::vector<ImageCorners> find_code_areas(const GrayView& image, double min_side
     }
   }
   return areas;
+}
+
+/// OpenCV's exceptions stop here: in what it can't search there is nothing.
+template <typename Find>
+std::vector<ImageCorners> nothing_on_failure(const Find& find) {
+  try {
+    return find();
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+std::vector<ImageCorners> find_squares(const GrayView& image, double min_side_px) {
+  return nothing_on_failure([&] { return squares_in(image, min_side_px); });
+}
+
+std::vector<ImageCorners> find_code_areas(const GrayView& image, double min_side_px) {
+  return nothing_on_failure([&] { return code_areas_in(image, min_side_px); });
 }
 
 }  // namespace waymark

@@ -1,15 +1,16 @@
 #include "mapbuilder/build/up_direction.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "core/geometry/decompositions.h"
 
 namespace waymark {
 namespace {
 
 using Eigen::Vector3d;
-using Directions = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>;
+using Directions = SymmetricEigen<3>;
 
 /// Cameras that look all ways say nothing about up below this mean length.
 constexpr double kTellingCameraUp = 0.3;
@@ -46,7 +47,7 @@ Vector3d refine_up(const std::vector<Vector3d>& normals, const Vector3d& guess) 
       if (is_level(normal, up)) scatter += normal * normal.transpose();
       if (std::abs(normal.dot(up)) > kFloor) scatter -= normal * normal.transpose();
     }
-    const Vector3d better = Directions(scatter).eigenvectors().col(0);
+    const Vector3d better = symmetric_eigen<3>(scatter).vectors.col(0);
     up = better.dot(up) < 0 ? Vector3d(-better) : better;
   }
   return up;
@@ -57,9 +58,9 @@ Vector3d refine_up(const std::vector<Vector3d>& normals, const Vector3d& guess) 
 Vector3d guess_up_by_normals(const std::vector<Vector3d>& normals) {
   constexpr double kOneAxis = 0.8;  // share of the squared normals
   const Eigen::Matrix3d scatter = scatter_of(normals);
-  const Directions directions(scatter);
-  const bool floor = directions.eigenvalues()[2] > kOneAxis * scatter.trace();
-  const Vector3d up = refine_up(normals, directions.eigenvectors().col(floor ? 2 : 0));
+  const Directions directions = symmetric_eigen<3>(scatter);
+  const bool floor = directions.values[2] > kOneAxis * scatter.trace();
+  const Vector3d up = refine_up(normals, directions.vectors.col(floor ? 2 : 0));
   Vector3d sum = Vector3d::Zero();
   for (const Vector3d& normal : normals) sum += normal;
   return sum.dot(up) < 0 ? Vector3d(-up) : up;
@@ -128,9 +129,9 @@ std::optional<Vector3d> across_walls(const std::vector<Vector3d>& normals, const
     if (is_level(normal, guess)) walls.push_back(normal);
   }
   if (walls.size() < 2) return std::nullopt;
-  const Directions directions(scatter_of(walls));
-  if (directions.eigenvalues()[1] < kTells * directions.eigenvalues().sum()) return std::nullopt;
-  return directions.eigenvectors().col(0);
+  const Directions directions = symmetric_eigen<3>(scatter_of(walls));
+  if (directions.values[1] < kTells * directions.values.sum()) return std::nullopt;
+  return directions.vectors.col(0);
 }
 
 }  // namespace

@@ -15,9 +15,12 @@ namespace {
 struct Unit {
   const char* name;
   double metres;
+  double near;  ///< share of it that a scale may be off: little where a mere fault comes close
 };
-constexpr std::array<Unit, 4> kUnits{
-    {{"millimetres", 0.001}, {"centimetres", 0.01}, {"inches", 0.0254}, {"feet", 0.3048}}};
+constexpr std::array<Unit, 4> kUnits{{{"millimetres", 0.001, 0.25},
+                                      {"centimetres", 0.01, 0.25},
+                                      {"inches", 0.0254, 0.25},
+                                      {"feet", 0.3048, 0.1}}};
 
 /// Longer baselines than hardly a rig has.
 constexpr double kLongBaseline_m = 3.0;
@@ -70,7 +73,8 @@ struct Sample {
 std::optional<Sample> sample_of(const RigCamera& a, const RigCamera& b, const Rigid3& motion_a,
                                 const Rigid3& motion_b) {
   constexpr double kSameTurn_rad = 0.1;
-  constexpr double kLeastTurn_rad = 0.1;  // well beyond what a marker's pose is off by
+  // What a marker's pose is off by makes levers longer and the scale smaller: not by a tenth.
+  constexpr double kLeastTurn_rad = 0.3;
   constexpr double kLeastLever_m = 0.02;
   const auto turn = [](const RigCamera& camera, const Rigid3& motion) {
     const Eigen::Quaterniond& q = camera.rig_from_cam.rotation;
@@ -150,12 +154,11 @@ std::optional<Scale> scale_of(std::vector<Sample> samples) {
 
 /// The unit that a scale is, if it clearly is one.
 const Unit* unit_of(const Scale& scale) {
-  constexpr double kNear = 0.25;
   constexpr double kSigmas = 5;
   for (const Unit& unit : kUnits) {
     const double off = std::abs(scale.value - unit.metres);
-    if (off < kNear * unit.metres && kSigmas * scale.sigma < std::abs(1 - scale.value) &&
-        scale.sigma < kNear * unit.metres) {
+    if (off < unit.near * unit.metres && kSigmas * scale.sigma < std::abs(1 - scale.value) &&
+        scale.sigma < unit.near * unit.metres) {
       return &unit;
     }
   }

@@ -227,8 +227,11 @@ std::vector<CameraLook> look_at_images(const CaptureFolder& folder, const Detect
   const Looker looker(folder.catalog);
   std::vector<CameraLook> results(tasks.size());
   parallel_for(tasks.size(), effective_threads(threads), [&](std::size_t i) {
-    // What can't be read has been said.
-    const auto loaded = read_gray_image(tasks[i].file->path);
+    const ImageFile& file = *tasks[i].file;
+    const CameraParameters& p =
+        folder.rig.cameras[static_cast<std::size_t>(file.camera)].model.parameters();
+    // What can't be read, or is of another size, has been said.
+    const auto loaded = read_gray_image(file.path, ImageSize{p.width_px, p.height_px});
     if (loaded) results[i] = looker.look(loaded->image, *tasks[i].detections);
   });
   progress.end();

@@ -83,8 +83,12 @@ std::optional<OtherForm> surest_form(const SquareReader& reader, const CameraLoo
     if (count.squares == 0 || !is_no_chance(reader, form, count)) continue;
     // Beside markers that are found some are too small, or half outside the image.
     if (form.no_outline && count.squares <= look.stated) continue;
-    // Of forms that explain as much the plainest: they come in this order.
-    if (!best || count.squares > look.others.at(*best).squares) best = form;
+    // Of forms that explain as much the plainest: they come in this order, and what has an outline
+    // before what has none.
+    const auto weight = [&](const OtherForm& one) {
+      return (one.no_outline ? 1 : 2) * look.others.at(one).squares;
+    };
+    if (!best || weight(form) > weight(*best)) best = form;
   }
   return best;
 }
@@ -240,6 +244,14 @@ std::optional<Finding> cut_finding(const DetectedCapture& capture,
   return finding;
 }
 
+/// Whether a single square may read as some code of the family by chance.
+bool may_be_chance(Family family) {
+  constexpr double kRare = 0.01;
+  const FamilyTraits& family_traits = traits(family);
+  const int bits = family_traits.code_cells * family_traits.code_cells;
+  return 4.0 * family_traits.id_count > kRare * std::exp2(bits);
+}
+
 std::optional<Finding> unlisted_finding(const DetectedCapture& capture,
                                         const std::vector<CameraLook>& looks, bool nothing_found) {
   std::map<Family, std::set<int>> numbers;
@@ -247,9 +259,8 @@ std::optional<Finding> unlisted_finding(const DetectedCapture& capture,
   int sights = 0;
   std::map<MarkerId, int> seen = capture.unlisted;
   for (const CameraLook& look : looks) {
-    // Once may be chance.
     for (const auto& [id, count] : look.unlisted) {
-      if (count > 1) seen[id] += count;
+      if (count > 1 || !may_be_chance(id.family)) seen[id] += count;
     }
   }
   for (const auto& [id, count] : seen) {
@@ -262,7 +273,7 @@ std::optional<Finding> unlisted_finding(const DetectedCapture& capture,
   for (const auto& [family, of_family] : numbers) {
     text += fmt::format(
         "{}{}{}", text.empty() ? "" : "; ", ids(of_family),
-        capture.catalog.several_families() ? fmt::format(" of {}", name_of(family)) : "");
+        family == capture.catalog.only_family() ? "" : fmt::format(" of {}", name_of(family)));
   }
   Finding finding;
   finding.severity = nothing_found ? Severity::error : Severity::note;

@@ -164,9 +164,11 @@ Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport
         fmt::format("{}: {} rows left out, their corners do not run clockwise from top-left",
                     capture.detections_csv->string(), table->misordered));
   }
-  return DetectedCapture{capture.path.string(),  capture.rig,
-                         capture.catalog,        std::move(table->images),
-                         capture.sync_tolerance, capture.monotonic};
+  DetectedCapture detected{capture.path.string(),  capture.rig,
+                           capture.catalog,        std::move(table->images),
+                           capture.sync_tolerance, capture.monotonic};
+  detected.unlisted = std::move(table->unlisted);
+  return detected;
 }
 
 }  // namespace

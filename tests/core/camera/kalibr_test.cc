@@ -222,52 +222,6 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"  rostopic: /cam/image_raw\n", "  serial: [1]\n", "is no text"},
         BadText{"[470.3", "[[470.3", "not valid YAML"}));
 
-const char* const kRosCameraInfo =
-    "image_width: 640\nimage_height: 480\ncamera_name: narrow_stereo\n"
-    "camera_matrix:\n  rows: 3\n  cols: 3\n"
-    "  data: [560.0, 0.0, 322.5, 0.0, 561.0, 237.5, 0.0, 0.0, 1.0]\n"
-    "distortion_model: plumb_bob\n"
-    "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: [-0.1, 0.02, 0.001, 0.002, 0.0]\n"
-    "projection_matrix:\n  rows: 3\n  cols: 4\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]\n";
-const char* const kOpenCvStorage =
-    "%YAML:1.0\n---\nimage_width: 640\nimage_height: 480\n"
-    "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
-    "   data: [ 560., 0., 322.5, 0., 561., 237.5, 0., 0., 1. ]\n"
-    "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n   dt: d\n"
-    "   data: [ -0.1, 0.02, 0.001, 0.002, 0. ]\n";
-
-TEST(Kalibr, OtherProgramsCalibrationsAreReadAsTheRigOfOneCamera) {
-  for (const char* text : {kRosCameraInfo, kOpenCvStorage}) {
-    const auto loaded = parse_camchain(text, "rig.yaml");
-    ASSERT_TRUE(loaded) << loaded.error().message;
-    ASSERT_EQ(loaded->rig.cameras.size(), 1U);
-    const CameraParameters& p = loaded->rig.cameras[0].model.parameters();
-    EXPECT_EQ(p.fu_px, 560.0);
-    EXPECT_EQ(p.fv_px, 561.0);
-    EXPECT_EQ(p.pu_px, 322.5);
-    EXPECT_EQ(p.pv_px, 237.5);
-    EXPECT_EQ(p.width_px, 640);
-    EXPECT_EQ(p.height_px, 480);
-    EXPECT_EQ(p.distortion, Distortion::radtan);
-    EXPECT_EQ(p.coefficients, (std::array<double, 4>{-0.1, 0.02, 0.001, 0.002}));
-    ASSERT_FALSE(loaded->notes.empty());
-    EXPECT_THAT(loaded->notes[0], HasSubstr("another program's calibration"));
-  }
-}
-
-TEST(Kalibr, AForeignLensThatHasNoModelHereIsNamed) {
-  EXPECT_THAT(message_of(replaced(kRosCameraInfo, "plumb_bob", "thin_prism")),
-              AllOf(HasSubstr("a ROS camera_info"), HasSubstr("thin_prism")));
-  EXPECT_THAT(message_of(replaced(kOpenCvStorage, "image_width", "width_of_image")),
-              AllOf(HasSubstr("an OpenCV FileStorage"), HasSubstr("it lacks image_width")));
-  // Without distortion, whatever the number of zeros.
-  const auto straight = parse_camchain(
-      replaced(kRosCameraInfo, "[-0.1, 0.02, 0.001, 0.002, 0.0]", "[0, 0, 0, 0, 0, 0, 0, 0]"),
-      "rig.yaml");
-  ASSERT_TRUE(straight);
-  EXPECT_EQ(straight->rig.cameras[0].model.parameters().distortion, Distortion::none);
-}
-
 TEST(Kalibr, AFifthCoefficientOfZeroSaysNothing) {
   const auto text = std::string(
       "cam0:\n  camera_model: pinhole\n  intrinsics: [560, 560, 322.5, 237.5]\n"

@@ -109,6 +109,9 @@ TEST_F(DetectionsCsv, MarkersThatDoNotExistHereAreLeftOutAndCounted) {
                           "6,cam0,tag36h10:5,1,1,2,1,2,2,1,2\n"
                           "6,cam0,5,1,1,2,1,2,2,1,2\n");
   EXPECT_EQ(table.unknown_markers, 2);
+  int unlisted = 0;
+  for (const auto& [id, rows] : table.unlisted) unlisted += rows;
+  EXPECT_EQ(unlisted, 1) << "the other one is ignored";
   ASSERT_EQ(table.images.size(), 2U) << "the image itself was seen";
   EXPECT_TRUE(table.images[0].detections.empty());
   EXPECT_EQ(table.images[1].detections.size(), 1U);

@@ -54,7 +54,8 @@ class Draw {
 };
 
 constexpr unsigned kDraws = 1000;
-constexpr double kWithin3Degrees = 0.9986;
+/// Of normals that are off by 2° each; a draw of a thousand is off by 4°.
+constexpr double kWithin5Degrees = 0.9962;
 
 TEST(UpDirection, NoFloorOfAThousandIsUpsideDown) {
   for (unsigned seed = 0; seed < kDraws; ++seed) {
@@ -65,7 +66,7 @@ TEST(UpDirection, NoFloorOfAThousandIsUpsideDown) {
     const Vector3d rest = Vector3d(draw.gauss(), draw.gauss(), draw.gauss()).normalized() * 0.25;
     const auto up = up_by_floor(draw.submap, rest);
     ASSERT_TRUE(up) << seed;
-    EXPECT_GT(draw.upwards(*up), kWithin3Degrees) << seed;
+    EXPECT_GT(draw.upwards(*up), kWithin5Degrees) << seed;
   }
 }
 
@@ -78,7 +79,7 @@ TEST(UpDirection, CamerasThatLookAslantTellFloorFromWalls) {
     const Vector3d leaning = draw.world_from_building * so3_exp({pitch, 0, 0}) * Vector3d::UnitZ();
     const auto up = up_by_floor(draw.submap, leaning * 0.9);
     ASSERT_TRUE(up) << seed;
-    EXPECT_GT(draw.upwards(*up), kWithin3Degrees) << seed;
+    EXPECT_GT(draw.upwards(*up), kWithin5Degrees) << seed;
   }
 }
 
@@ -100,7 +101,7 @@ TEST(UpDirection, CeilingsAreNoFloors) {
   const Vector3d up = draw.world_from_building * Vector3d::UnitZ();
   const auto found = up_by_floor(draw.submap, up);
   ASSERT_TRUE(found);
-  EXPECT_GT(draw.upwards(*found), kWithin3Degrees);
+  EXPECT_GT(draw.upwards(*found), kWithin5Degrees);
 }
 
 TEST(UpDirection, OneMarkerTellsNothing) {
@@ -120,7 +121,7 @@ TEST(UpDirection, WallsTakeTheirSignFromUprightCamerasAndNoneFromOthers) {
     const Vector3d leaning = draw.world_from_building * so3_exp({pitch, 0, 0}) * Vector3d::UnitZ();
     const auto up = up_by_walls(draw.submap, leaning * 0.9);
     ASSERT_TRUE(up) << seed;
-    EXPECT_GT(draw.upwards(*up), kWithin3Degrees) << seed;
+    EXPECT_GT(draw.upwards(*up), kWithin5Degrees) << seed;
     EXPECT_FALSE(up_by_walls(draw.submap, Vector3d::Zero())) << seed;
   }
 }

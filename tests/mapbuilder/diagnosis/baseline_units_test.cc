@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "tests/mapbuilder/observations/room_table.h"
+#include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {
 namespace {
@@ -23,7 +23,7 @@ std::vector<Finding> found(test::SyntheticRoom room, double translations, double
   auto entries = room.catalog.entries();
   *entries.front().default_size_m *= sizes;
   room.catalog = MarkerCatalog(entries);
-  return baseline_findings(test::table_of(room));
+  return baseline_findings(test::observations_of(room));
 }
 
 TEST(BaselineUnits, EveryUnitIsNamed) {

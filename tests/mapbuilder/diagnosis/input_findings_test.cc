@@ -6,7 +6,7 @@
 
 #include "core/capture/image_file.h"
 #include "mapbuilder/observations/detect_capture.h"
-#include "tests/mapbuilder/diagnosis/printed_wall.h"
+#include "tests/support/printed_wall.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
