@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct DetectedCapture {
   std::vector<ImageDetections> images;  ///< by rising (stamp, camera)
   Stamp sync_tolerance = kDefaultSyncTolerance;
   bool monotonic = false;  ///< its stamps can't be compared with another capture's
+  /// Rows of its detections.csv of a stated family that markers.toml neither sizes nor ignores.
+  std::map<MarkerId, int> unlisted{};
 };
 
 /// 16 hexadecimal digits that depend on a rig's numbers, or on a capture's detections, and nothing
