@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/geometry/alignment.h"
+#include "core/geometry/decompositions.h"
 #include "mapbuilder/build/up_direction.h"
 
 namespace waymark {

@@ -8,6 +8,8 @@
 #include <map>
 #include <optional>
 
+#include "core/estimate/ippe.h"
+
 namespace waymark {
 namespace {
 
