@@ -1,5 +1,6 @@
 #include "locd/service/replay_command.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <sstream>
@@ -11,6 +12,8 @@
 
 namespace waymark {
 namespace {
+
+using testing::HasSubstr;
 
 class ReplayCommand : public testing::Test {
  protected:
@@ -125,6 +128,30 @@ TEST_F(ReplayCommand, ImagesThatCanNotBeUsedAreSaid) {
   const Status some = run("some.tum");
   ASSERT_TRUE(some) << some.error().message;
   EXPECT_NE(notes_.str().find("images left out; the first: "), std::string::npos) << notes_.str();
+}
+
+TEST_F(ReplayCommand, SumsUpWhyPosesAreNotOk) {
+  MarkerMap map = test::room_map(room_);
+  for (MapMarker& marker : map.submaps[0].markers) marker.covariance = unknown_covariance();
+  ASSERT_TRUE(write_map_file(folder_.path() / "room.map", map));
+  ASSERT_TRUE(run("a.tum"));
+  EXPECT_THAT(out_.str(), HasSubstr("60 frame sets: 0 OK, 60 DEGRADED"));
+  EXPECT_THAT(out_.str(), HasSubstr("not OK because of SIGMA 60"));
+}
+
+TEST_F(ReplayCommand, AMapThatImagesCantShowIsForDetectionsOnly) {
+  MarkerMap map = test::room_map(room_);
+  for (MapMarker& marker : map.submaps[0].markers) marker.id.family = Family::tagstandard52h13;
+  ASSERT_TRUE(write_map_file(folder_.path() / "room.map", map));
+  ASSERT_TRUE(run("a.tum"));
+  EXPECT_THAT(out_.str(), HasSubstr("60 LOST")) << "the capture's are of another family";
+
+  std::filesystem::remove(folder_.path() / "detections.csv");
+  folder_.write("cam0/1000000000.pgm", "P5 1 1 255\n.");
+  const Status refused = run("b.tum");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(refused.error().message, HasSubstr("room.map: markers of family tagstandard52h13"));
 }
 
 }  // namespace
