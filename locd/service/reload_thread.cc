@@ -50,6 +50,9 @@ void ReloadThread::run() {
     preparing_ = false;
     if (!requested_) prepared_.swap(prepared);
     changed_.notify_all();
+    lock.unlock();
+    prepared.reset();  // outdated: its threads end without the lock
+    lock.lock();
   }
 }
 

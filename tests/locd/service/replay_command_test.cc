@@ -81,7 +81,7 @@ TEST_F(ReplayCommand, AMapOfMarkersThatImagesDontShowServesDetections) {
   ASSERT_TRUE(write_map_file(folder_.path() / "room.map", of_other_family(test::room_map(room_))));
   const auto status = run("a.tum");
   ASSERT_TRUE(status) << status.error().message;
-  EXPECT_EQ(out_.str(), "60 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 60 LOST\n");
+  EXPECT_THAT(out_.str(), HasSubstr("60 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 60 LOST\n"));
 }
 
 TEST_F(ReplayCommand, ARigWithoutTransformsIsRefused) {
@@ -137,21 +137,6 @@ TEST_F(ReplayCommand, SumsUpWhyPosesAreNotOk) {
   ASSERT_TRUE(run("a.tum"));
   EXPECT_THAT(out_.str(), HasSubstr("60 frame sets: 0 OK, 60 DEGRADED"));
   EXPECT_THAT(out_.str(), HasSubstr("not OK because of SIGMA 60"));
-}
-
-TEST_F(ReplayCommand, AMapThatImagesCantShowIsForDetectionsOnly) {
-  MarkerMap map = test::room_map(room_);
-  for (MapMarker& marker : map.submaps[0].markers) marker.id.family = Family::tagstandard52h13;
-  ASSERT_TRUE(write_map_file(folder_.path() / "room.map", map));
-  ASSERT_TRUE(run("a.tum"));
-  EXPECT_THAT(out_.str(), HasSubstr("60 LOST")) << "the capture's are of another family";
-
-  std::filesystem::remove(folder_.path() / "detections.csv");
-  folder_.write("cam0/1000000000.pgm", "P5 1 1 255\n.");
-  const Status refused = run("b.tum");
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().kind, ErrorKind::bad_data);
-  EXPECT_THAT(refused.error().message, HasSubstr("room.map: markers of family tagstandard52h13"));
 }
 
 }  // namespace
