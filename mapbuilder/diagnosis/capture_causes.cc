@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "mapbuilder/diagnosis/camera_alone.h"
 #include "mapbuilder/diagnosis/camera_tracks.h"
@@ -81,18 +82,26 @@ void add_finding(Finding finding, std::vector<Finding>& findings) {
 struct MonoBuild {
   Observations observations;
   BuildResult result;
-  bool contradicts = false;
+  FitQuality quality;
 };
 
 std::optional<MonoBuild> build_mono(const std::vector<DetectedCapture>& captures,
                                     const BuildOptions& options, Progress& progress) {
   auto observations = make_observations(captures, {true, options.threads});
   if (!observations) return std::nullopt;
-  MonoBuild build{*std::move(observations), {}, false};
+  MonoBuild build{*std::move(observations), {}, {}};
   const Selection selection(build.observations);
   build.result = build_map(selection, mono_options(options), progress);
-  build.contradicts = fit_quality(selection, build.result).contradicts();
+  build.quality = fit_quality(selection, build.result);
   return build;
+}
+
+/// A lens that only bends otherwise than stated is for a refinement to correct; one of other
+/// numbers altogether is an error, however well markers' own poses hide it.
+bool is_gross(const LensExplanation& why) {
+  constexpr double kGrossFocal = 5.0;  // %
+  return why.cause != Cause::intrinsics || (why.unit == "%" && std::abs(why.value) > kGrossFocal) ||
+         why.detail.find("[cx cy fx fy]") != std::string::npos;
 }
 
 /// Asks each camera which intrinsics its images fit; those that explain it take the stated ones'
@@ -103,11 +112,13 @@ void explain_lenses(const BuildOptions& options, ExplainedCaptures& explained) {
     for (std::size_t k = 0; k < capture.rig.cameras.size(); ++k) {
       RigCamera& camera = capture.rig.cameras[k];
       const auto alone = fit_camera_alone(capture, k, options);
-      if (!alone || !alone->stated.contradicts()) continue;
+      if (!alone) continue;
+      const bool contradicts = alone->stated.contradicts();
+      if (!contradicts && alone->stated.joint_px < kPoorFit_px) continue;
       if (alone->fitted.joint_px > kExplains * alone->stated.joint_px) continue;
       const auto why = explain_lens(camera.model.parameters(), alone->parameters);
       auto model = CameraModel::create(alone->parameters);
-      if (!why || !model) continue;
+      if (!why || !model || (!contradicts && !is_gross(*why))) continue;
       camera.model = *std::move(model);
       Finding finding;
       finding.severity = Severity::error;
@@ -133,25 +144,33 @@ void explain_rigs(const MonoBuild& mono, ExplainedCaptures& explained) {
         tracks_of(mono.observations, mono.result, c, capture.rig, capture.sync_tolerance);
     const auto explanation = explain_rig(tracks, capture.rig);
     if (!explanation) continue;
-    Finding finding = finding_of(*explanation, capture.rig);
-    finding.captures = {capture.name};
+    const Rig stated = capture.rig;
     capture = put_right(capture, *explanation);
-    add_finding(std::move(finding), explained.findings);
+    for (const RigExplanation& one : {*explanation, explanation->or_else()}) {
+      if (one.detail.empty()) continue;
+      Finding finding = finding_of(one, stated);
+      finding.captures = {capture.name};
+      add_finding(std::move(finding), explained.findings);
+    }
   }
 }
 
 }  // namespace
 
-ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures,
+ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures, double joint_px,
                                    const BuildOptions& options, Progress& progress) {
+  // Each image on its own fits so much better than all together: the lenses are not to blame.
+  constexpr double kFitsAlone = 0.25;
   ExplainedCaptures explained{captures, {}};
   auto mono = build_mono(captures, options, progress);
   if (!mono) return explained;
-  if (mono->contradicts) {
+  if (mono->quality.contradicts() || mono->quality.joint_px > kPoorFit_px) {
     explain_lenses(options, explained);
-    if (explained.findings.empty()) return explained;
-    mono = build_mono(explained.captures, options, progress);
-    if (!mono || mono->contradicts) return explained;
+    if (!explained.findings.empty()) mono = build_mono(explained.captures, options, progress);
+    if (!mono) return explained;
+  }
+  if (mono->quality.contradicts() && mono->quality.joint_px > kFitsAlone * joint_px) {
+    return explained;
   }
   explain_rigs(*mono, explained);
   return explained;

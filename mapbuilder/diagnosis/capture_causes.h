@@ -20,7 +20,9 @@ struct ExplainedCaptures {
 /// each image fits alone, where the cameras stood is held against the rig (explain_rig). What is
 /// found is put right in the captures returned, or left out of them (a camera's images where its
 /// time is wrong), so that the rest can be judged anew. No findings where no cause stands out.
+/// `joint_px` is what the build of the captures as they are misses by (FitQuality).
 [[nodiscard]] ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures,
-                                                 const BuildOptions& options, Progress& progress);
+                                                 double joint_px, const BuildOptions& options,
+                                                 Progress& progress);
 
 }  // namespace waymark

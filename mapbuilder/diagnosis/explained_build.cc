@@ -12,9 +12,10 @@ namespace {
 /// Whether something that all observations share is wrong.
 bool is_contradicted(const Selection& selection, const BuildResult& plain) {
   const CalibrationResult& calibration = plain.calibration;
+  const FitQuality quality = fit_quality(selection, plain);
   return calibration.extrinsics_cost_ratio < kExplainsTooLittle ||
-         calibration.intrinsics_cost_ratio < kExplainsTooLittle ||
-         fit_quality(selection, plain).contradicts();
+         calibration.intrinsics_cost_ratio < kExplainsTooLittle || quality.contradicts() ||
+         quality.joint_px > kPoorFit_px;
 }
 
 /// Whether the explanation is more than a camera that stands elsewhere.
@@ -38,7 +39,8 @@ Expected<ExplainedBuild> build_explained(const std::vector<DetectedCapture>& cap
   const Selection selection(build.observations);
   std::optional<BuildResult> plain = build_map(selection, as_stated, progress);
   if (is_contradicted(selection, *plain)) {
-    ExplainedCaptures explained = explain_captures(captures, as_stated, progress);
+    ExplainedCaptures explained =
+        explain_captures(captures, fit_quality(selection, *plain).joint_px, as_stated, progress);
     if (explains(explained)) {
       auto put_right = make_observations(explained.captures, observing);
       if (!put_right) return tl::make_unexpected(put_right.error());

@@ -16,6 +16,10 @@ struct FitQuality {
   [[nodiscard]] bool contradicts() const { return joint_px > 4.0 * own_px && joint_px > 0.2; }
 };
 
+/// A build that misses by more than this (px) is poor whatever the yardstick says: a lens that is
+/// far from the stated one spoils markers' own poses, too.
+inline constexpr double kPoorFit_px = 0.4;
+
 [[nodiscard]] FitQuality fit_quality(const Selection& selection, const BuildResult& result);
 
 }  // namespace waymark

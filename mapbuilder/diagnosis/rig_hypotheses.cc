@@ -751,6 +751,10 @@ class RigJudge {
     if (best->explanation.gain < kMinGain || stated_cost < kMinCostRatio * best->cost) {
       return std::nullopt;
     }
+    // Numbers may be fitted to whatever bends the tracks; they explain only what they leave at
+    // about the places' own noise.
+    constexpr double kMostNoise = 4.0;
+    if (!best->listed && noise_scale_ > kMostNoise) return std::nullopt;
     // What a file is easily written wrongly like comes before numbers that happen to fit as well,
     // the first of them before others that the rig's symmetry makes equal.
     const double enough = best->explanation.gain - kMinLead;
@@ -766,17 +770,13 @@ class RigJudge {
           h->explanation.cameras == best->explanation.cameras) {
         continue;
       }
-      best->explanation.detail +=
-          fmt::format(", or {}: {}", names_of(h->explanation.cameras), h->explanation.detail);
+      const RigExplanation& other = h->explanation;
+      best->explanation.alternative = {
+          other.cause, other.cameras,
+          fmt::format("{} (this or the other: the two look alike)", other.detail), other.remedy};
       break;
     }
     return best->explanation;
-  }
-
-  std::string names_of(const std::vector<std::size_t>& concerned) const {
-    std::string text;
-    for (const std::size_t k : concerned) text += (text.empty() ? "" : ", ") + names_[k];
-    return text;
   }
 
   std::shared_ptr<const CameraTracks> as_seen_;
@@ -790,6 +790,15 @@ class RigJudge {
 };
 
 }  // namespace
+
+RigExplanation RigExplanation::or_else() const {
+  RigExplanation other;
+  other.cause = alternative.cause;
+  other.cameras = alternative.cameras;
+  other.detail = alternative.detail;
+  other.remedy = alternative.remedy;
+  return other;
+}
 
 std::optional<RigExplanation> explain_rig(const CameraTracks& tracks, const Rig& stated,
                                           const ExtrinsicSigmas& sigmas) {

@@ -34,6 +34,16 @@ struct RigExplanation {
   std::vector<Rigid3> rig_from_cam;
   /// Observations of `cameras` from `since` on fit no rigid rig and are left out of the map.
   bool leave_out = false;
+  /// Another cause that explains the cameras as well, for the rig is its own mirror image; empty
+  /// detail: none.
+  struct Alternative {
+    Cause cause = Cause::rig_displaced;
+    std::vector<std::size_t> cameras;
+    std::string detail;
+    std::string remedy;
+  } alternative;
+  /// The alternative as an explanation of its own.
+  [[nodiscard]] RigExplanation or_else() const;
   double gain = 0;  ///< 2 Δ ln L over the rig as stated, sigmas², less the price of its numbers
 };
 
