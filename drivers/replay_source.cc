@@ -53,6 +53,12 @@ class ReplaySource final : public FrameSource, public FrameLender {
 
   [[nodiscard]] std::uint64_t damaged() const override { return damaged_; }
 
+  [[nodiscard]] std::string describe() const override {
+    const CameraParameters& size = camera_.model.parameters();
+    return fmt::format("{}×{}, replayed{}", size.width_px, size.height_px,
+                       capture_->options().loop ? " again and again" : "");
+  }
+
   [[nodiscard]] Expected<DeviceReport> inspect() override {
     return DeviceReport{
         fmt::format("{}, {} frames", capture_->folder().path.string(), entries_.size()), {}};

@@ -26,7 +26,9 @@ enum class AlertKind : std::int8_t {
   stamps_unsynced = 9,    ///< UNSYNCED: a camera's stamps can't be believed; arrival is used
   stamps_skewed = 10,     ///< SKEW: a triggered rig's cameras do not expose together
   settings_changed = 11,  ///< SETTINGS: another program sets exposure, gain or focus of a camera
+  image_stale = 12,       ///< STALE: the camera gives images that it gave before
 };
+inline constexpr std::size_t kAlertKinds = 13;
 
 /// "MOVED", "FROZEN", …
 [[nodiscard]] std::string_view name_of(AlertKind kind);
@@ -34,9 +36,10 @@ enum class AlertKind : std::int8_t {
 /// Something began to be wrong, or ended. Plain data, so that raising one allocates nothing.
 struct Alert {
   AlertKind kind = AlertKind::marker_moved;
-  bool raised = true;  ///< false: it is over
-  Stamp stamp{0};      ///< of the frame set that told, CLOCK_MONOTONIC
-  int camera = -1;     ///< index in the rig; −1: none in particular
+  bool raised = true;       ///< false: it is over
+  bool map_loaded = false;  ///< it is over because a map was loaded: what it told of is judged anew
+  Stamp stamp{0};           ///< of the frame set that told, CLOCK_MONOTONIC
+  int camera = -1;          ///< index in the rig; −1: none in particular
   int other_camera = -1;
   std::optional<MarkerId> marker;
   /// How far off, where that is a length or an angle: a marker's or a camera's offset.
@@ -44,8 +47,18 @@ struct Alert {
   double offset_rad = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// Whether two alerts are of the same kind and of the same marker, camera or pair of cameras: what
+/// one raises the other ends.
+[[nodiscard]] bool same_subject(const Alert& a, const Alert& b);
+
+/// Whom it concerns: the marker's id, else the camera's name, else nothing.
+[[nodiscard]] std::string subject_of(const Alert& alert, const Rig& rig, bool several_families);
+
+/// What the log counts alerts under: "MOVED 12", "MOVED is over 12".
+[[nodiscard]] std::string log_key(const Alert& alert, const Rig& rig, bool several_families);
+
 /// One line for people, with what to do: "MOVED: marker 12 hangs 0.31 m from where the map says;
-/// …".
-[[nodiscard]] std::string describe(const Alert& alert, const Rig& rig, bool several_families);
+/// …"; "MOVED is over: marker 12 hangs where the map says; it is used again".
+[[nodiscard]] std::string alert_text(const Alert& alert, const Rig& rig, bool several_families);
 
 }  // namespace waymark

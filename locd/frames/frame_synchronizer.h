@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/base/range.h"
 #include "drivers/frame.h"
 #include "locd/camera_mask.h"
 
@@ -14,15 +15,18 @@ namespace waymark {
 struct SyncOptions {
   /// Frames this far after a set's earliest still belong to it. Triggered rigs: the jitter of their
   /// stamps. Free-running ones: at least (n − 1)/n of the period, then any phase gives sets.
-  /// (0–1 s)
   Stamp tolerance = std::chrono::milliseconds(5);
   /// From the arrival of a set's first frame until it goes without those that are missing. More
-  /// than the cameras' differences in exposure time and transfer, less than a period. (1 ms–10 s)
+  /// than the cameras' differences in exposure time and transfer, less than a period.
   Stamp deadline = std::chrono::milliseconds(25);
-  int min_cameras = 1;  ///< smaller sets are dropped (1–16)
+  int min_cameras = 1;  ///< smaller sets are dropped
   /// A camera that misses so many sets in a row is not waited for until it delivers again; 0:
-  /// always wait. (0–1000)
+  /// always wait.
   int leave_after_sets = 3;
+
+  static constexpr Range kTolerance_us{0, 1e6};
+  static constexpr Range kDeadline_ms{1, 10'000};
+  static constexpr Range kMinCameras{1, kMaxCameras};
 };
 
 /// Why a frame came into no set, or its set to no pose.

@@ -8,8 +8,10 @@
 namespace waymark {
 namespace {
 
-constexpr std::array<AlertKind, 4> kKinds = {AlertKind::image_frozen, AlertKind::image_dark,
-                                             AlertKind::image_saturated, AlertKind::image_obscured};
+enum FaultIndex : std::size_t { kFrozen, kStale, kDark, kSaturated, kObscured };
+constexpr std::array kKinds = {AlertKind::image_frozen, AlertKind::image_stale,
+                               AlertKind::image_dark, AlertKind::image_saturated,
+                               AlertKind::image_obscured};
 
 /// Counts of grey levels, and of differences across 4 px.
 struct Histograms {
@@ -50,6 +52,21 @@ std::uint64_t hash_of(const GrayView& image) {
   return hash;
 }
 
+std::uint64_t hash_of(std::span<const Detection> detections) {
+  std::uint64_t hash = 0;
+  for (const Detection& detection : detections) {
+    std::array<double, 10> content{};
+    content[0] = static_cast<double>(detection.marker.family);
+    content[1] = detection.marker.number;
+    for (std::size_t i = 0; i < 4; ++i) {
+      content[2 + 2 * i] = detection.corners[i].x();
+      content[3 + 2 * i] = detection.corners[i].y();
+    }
+    hash = XXH3_64bits_withSeed(content.data(), sizeof content, hash);
+  }
+  return hash;
+}
+
 }  // namespace
 
 ImageHealth::ImageHealth(std::size_t cameras, const ImageHealthOptions& options)
@@ -57,21 +74,49 @@ ImageHealth::ImageHealth(std::size_t cameras, const ImageHealthOptions& options)
 
 void ImageHealth::look(std::size_t camera, const GrayView& image, Stamp stamp,
                        std::vector<Alert>& alerts) {
-  Camera& state = cameras_[camera];
-  const std::uint64_t hash = hash_of(image);
-  state.identical = hash == state.hash ? state.identical + 1 : 1;
-  state.hash = hash;
+  compare(camera, hash_of(image), stamp, alerts);
   const Histograms h = sample(image);
   const bool dark = share_from(h.grey, h.pixels, options_.dark_grey) < 0.01;
   const bool saturated =
       share_from(h.grey, h.pixels, options_.bright_grey) > options_.saturated_share;
   const bool flat = share_from(h.edge, h.edges, options_.edge_grey) < 0.005;
-  note(camera, 0, state.identical >= options_.identical_images, 1, stamp, alerts);
-  note(camera, 1, dark, options_.sets_to_raise, stamp, alerts);
-  note(camera, 2, saturated, options_.sets_to_raise, stamp, alerts);
-  note(camera, 3, flat && !dark && !saturated, options_.sets_to_raise, stamp, alerts);
-  const bool any = std::any_of(state.faults.begin(), state.faults.end(),
-                               [](const Fault& fault) { return fault.raised; });
+  note(camera, kDark, dark, options_.sets_to_raise, stamp, alerts);
+  note(camera, kSaturated, saturated, options_.sets_to_raise, stamp, alerts);
+  note(camera, kObscured, flat && !dark && !saturated, options_.sets_to_raise, stamp, alerts);
+  sum_up(camera);
+}
+
+void ImageHealth::look(std::size_t camera, std::span<const Detection> detections, Stamp stamp,
+                       std::vector<Alert>& alerts) {
+  if (detections.empty()) {
+    repeated_ &= ~camera_bit(camera);
+    return;
+  }
+  compare(camera, hash_of(detections), stamp, alerts);
+  sum_up(camera);
+}
+
+void ImageHealth::compare(std::size_t camera, std::uint64_t hash, Stamp stamp,
+                          std::vector<Alert>& alerts) {
+  Camera& state = cameras_[camera];
+  const auto known =
+      state.hashes.begin() + static_cast<std::ptrdiff_t>(std::min(state.images, kRemembered));
+  const bool repeats = std::find(state.hashes.begin(), known, hash) != known;
+  const bool as_last = state.images > 0 && hash == state.last_hash;
+  state.identical = as_last ? state.identical + 1 : 1;
+  // One that equals the last says nothing new of whether old images come again.
+  if (!as_last) state.older = repeats ? state.older + 1 : 0;
+  state.last_hash = hash;
+  if (!repeats) state.hashes[state.images++ % kRemembered] = hash;
+  repeated_ = repeats ? repeated_ | camera_bit(camera) : repeated_ & ~camera_bit(camera);
+  note(camera, kFrozen, state.identical >= options_.identical_images, 1, stamp, alerts);
+  note(camera, kStale, state.older >= options_.identical_images, 1, stamp, alerts);
+}
+
+void ImageHealth::sum_up(std::size_t camera) {
+  const auto& faults = cameras_[camera].faults;
+  const bool any =
+      std::any_of(faults.begin(), faults.end(), [](const Fault& fault) { return fault.raised; });
   unhealthy_ = any ? unhealthy_ | camera_bit(camera) : unhealthy_ & ~camera_bit(camera);
 }
 

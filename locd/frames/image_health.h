@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "core/capture/detection.h"
 #include "core/capture/gray_image.h"
 #include "locd/alert.h"
 #include "locd/camera_mask.h"
@@ -12,9 +14,11 @@ namespace waymark {
 
 /// When an image is of no use. Grey levels 0–255.
 struct ImageHealthOptions {
-  int identical_images = 3;  ///< bit for bit: frozen; noise alone makes images differ (2–100)
-  int dark_grey = 16;        ///< 99 % of the pixels are darker: dark (1–100)
-  int bright_grey = 250;     ///< and brighter, for saturated_share of them: saturated (100–255)
+  /// So many in a row that equal the one before: frozen; that equal an older one: stale. Bit for
+  /// bit: noise alone makes images differ. (2–100)
+  int identical_images = 3;
+  int dark_grey = 16;     ///< 99 % of the pixels are darker: dark (1–100)
+  int bright_grey = 250;  ///< and brighter, for saturated_share of them: saturated (100–255)
   double saturated_share = 0.75;  ///< (0.1–1) a lamp or the sky fills less
   /// 99.5 % of the differences between pixels 4 px apart are smaller: obscured, for even a wall has
   /// edges. (1–50)
@@ -23,17 +27,28 @@ struct ImageHealthOptions {
   int sets_to_clear = 3;  ///< (1–100)
 };
 
-/// Recognizes images that are frozen, dark, saturated or covered. Looks at every 16th pixel, and at
-/// all of them for the comparison with the last image. One per rig. No allocation.
+/// Recognizes images that are frozen, stale (old buffers in turn), dark, saturated or covered.
+/// Looks at every 16th pixel, and at all of them for the comparison with earlier images. One per
+/// rig. No allocation.
 class ImageHealth {
  public:
   ImageHealth(std::size_t cameras, const ImageHealthOptions& options = {});
 
+  /// Images of a camera that its next one is compared with: the last different ones.
+  static constexpr std::size_t kRemembered = 16;
+
   /// One camera's next image; says what began or ended.
   void look(std::size_t camera, const GrayView& image, Stamp stamp, std::vector<Alert>& alerts);
+  /// The same where detections come in place of an image: frozen and stale are told by them. Of
+  /// frames without any marker nothing is.
+  void look(std::size_t camera, std::span<const Detection> detections, Stamp stamp,
+            std::vector<Alert>& alerts);
 
   /// Cameras that can't be used now.
   [[nodiscard]] CameraMask unhealthy() const { return unhealthy_; }
+  /// Cameras whose newest image is one of their last: it tells nothing of now, whether or not that
+  /// is a fault yet.
+  [[nodiscard]] CameraMask repeated() const { return repeated_; }
 
  private:
   struct Fault {
@@ -41,17 +56,24 @@ class ImageHealth {
     int healthy = 0;
     bool raised = false;
   };
+  static constexpr std::size_t kFaults = 5;
   struct Camera {
-    std::uint64_t hash = 0;
-    int identical = 0;
-    std::array<Fault, 4> faults;  ///< frozen, dark, saturated, obscured
+    std::array<std::uint64_t, kRemembered> hashes{};  ///< of different images, a ring
+    std::size_t images = 0;                           ///< put into it, ever
+    std::uint64_t last_hash = 0;
+    int identical = 0;                  ///< images in a row, this one included
+    int older = 0;                      ///< images in a row that equal an older one than the last
+    std::array<Fault, kFaults> faults;  ///< by kKinds
   };
+  void compare(std::size_t camera, std::uint64_t hash, Stamp stamp, std::vector<Alert>& alerts);
+  void sum_up(std::size_t camera);
   void note(std::size_t camera, std::size_t fault, bool present, int sets_to_raise, Stamp stamp,
             std::vector<Alert>& alerts);
 
   ImageHealthOptions options_;
   std::vector<Camera> cameras_;
   CameraMask unhealthy_ = 0;
+  CameraMask repeated_ = 0;
 };
 
 }  // namespace waymark

@@ -42,7 +42,8 @@ class RigCapture {
   /// What a status message says of a camera.
   struct CameraState {
     Stamp last_frame{0};  ///< arrival
-    /// When its loop, or one of the device's calls within it, last turned: a watchdog's food.
+    /// When its loop, or one of the device's calls within it, last turned: the watchdog is fed only
+    /// while it advances.
     Stamp last_turn{0};
     std::uint64_t frames = 0;
     std::uint64_t damaged = 0;

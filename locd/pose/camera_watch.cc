@@ -75,7 +75,10 @@ void CameraWatch::update(Stamp stamp, std::span<const SetObservation> observatio
   sum_displacements();
   judge_displacements(stamp, alerts);
   if (observations.size() < kFewest) return;
-  if (inliers < options_.coherent_share * static_cast<double>(observations.size())) {
+  const bool coherent =
+      inliers >= options_.coherent_share * static_cast<double>(observations.size());
+  look_for_swaps_that_ended(stamp, coherent, alerts);
+  if (!coherent) {
     look_for_swap(stamp, observations, alerts);
   } else if (pairs_of_markers >= 2) {
     for (CameraPair& pair : pairs_) pair.sets = std::max(pair.sets - 1, 0);
@@ -102,7 +105,7 @@ void CameraWatch::fit_camera(std::size_t camera, std::span<const SetObservation>
   if (whitened_.size() < 2) return;
   Vector6d step = Vector6d::Zero();
   for (int round = 0; round < kOwnRounds; ++round) {
-    // At first everybody has a say, whatever the distance; then those that agree.
+    // At first every marker counts, whatever its distance; then those that agree.
     squared_.clear();
     for (const WhitenedResidual& w : whitened_) {
       squared_.push_back((w.residual + w.by_rig * step).squaredNorm());
@@ -198,8 +201,9 @@ void CameraWatch::judge_displacements(Stamp stamp, std::vector<Alert>& alerts) {
     Record& record = records_[c];
     if (record.sets == 0) continue;
     const Displacement d = displacement(record);
-    if (record.named && record.kind == AlertKind::extrinsics_off && d.small)
-      clear(stamp, c, alerts);
+    if (record.named && record.kind == AlertKind::extrinsics_off && d.small) {
+      end_verdict(stamp, c, alerts);
+    }
     known = known || record.named;
     if (d.explained <= most.explained) {
       second = std::max(second, d.explained);
@@ -215,6 +219,32 @@ void CameraWatch::judge_displacements(Stamp stamp, std::vector<Alert>& alerts) {
   // Two cameras that only ever see each other stay undecided: then the one is as good as the other.
   if (most.explained < options_.clear_margin * second && seen < options_.sets_to_decide) return;
   raise(stamp, AlertKind::extrinsics_off, best, -1, most.offset, alerts);
+}
+
+/// A camera in another's place agrees with no other camera; one whose markers are inliers together
+/// with those of another one stands where it should.
+void CameraWatch::look_for_swaps_that_ended(Stamp stamp, bool coherent,
+                                            std::vector<Alert>& alerts) {
+  CameraMask agreeing = 0;
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    const OwnFit& fit = fits_[c];
+    const bool fits = fit.inliers >= 2 && fit.inliers >= options_.coherent_share * fit.markers;
+    if (coherent && fits) agreeing |= camera_bit(c);
+  }
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    Record& record = records_[c];
+    if (!record.named || record.kind != AlertKind::cameras_swapped) continue;
+    if (fits_[c].markers < 2) continue;
+    const bool agrees = (agreeing & camera_bit(c)) != 0 && agreeing != camera_bit(c);
+    record.right_sets = agrees ? record.right_sets + 1 : 0;
+  }
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    const Record& record = records_[c];
+    if (!record.named || record.kind != AlertKind::cameras_swapped) continue;
+    if (std::min(record.right_sets, records_[record.partner].right_sets) >= options_.right_sets) {
+      end_verdict(stamp, c, alerts);
+    }
+  }
 }
 
 /// Whether both see something and neither was named as swapped.
@@ -243,6 +273,10 @@ void CameraWatch::look_for_swap(Stamp stamp, std::span<const SetObservation> obs
   }
   if (++pair.sets < options_.swap_sets) return;
   pair.sets = 0;
+  // The swap explains it.
+  for (const std::size_t camera : {pair.a, pair.b}) {
+    if (records_[camera].named) end_verdict(stamp, camera, alerts);
+  }
   raise(stamp, AlertKind::cameras_swapped, pair.a, static_cast<int>(pair.b),
         Vector6d::Constant(std::numeric_limits<double>::quiet_NaN()), alerts);
 }
@@ -283,20 +317,36 @@ void CameraWatch::raise(Stamp stamp, AlertKind kind, std::size_t camera, int oth
   alert.offset_m = offset.head<3>().norm();
   alert.offset_rad = offset.tail<3>().norm();
   alerts.push_back(alert);
-  for (const int one : {alert.camera, other}) {
-    if (one < 0) continue;
-    records_[static_cast<std::size_t>(one)].named = true;
-    records_[static_cast<std::size_t>(one)].kind = kind;
+  records_[camera].named = true;
+  records_[camera].kind = kind;
+  if (other < 0) return;
+  const auto partner = static_cast<std::size_t>(other);
+  for (const std::size_t one : {camera, partner}) {
+    records_[one].named = true;
+    records_[one].kind = kind;
+    records_[one].partner = one == camera ? partner : camera;
+    records_[one].right_sets = 0;
   }
 }
 
-void CameraWatch::clear(Stamp stamp, std::size_t camera, std::vector<Alert>& alerts) {
-  records_[camera].named = false;
+/// What was summed while the verdict stood told of the fault; it is begun anew.
+void CameraWatch::end_verdict(Stamp stamp, std::size_t camera, std::vector<Alert>& alerts) {
   Alert alert;
   alert.kind = records_[camera].kind;
   alert.raised = false;
   alert.stamp = stamp;
   alert.camera = static_cast<int>(camera);
+  if (alert.kind == AlertKind::cameras_swapped) {
+    const std::size_t partner = records_[camera].partner;
+    alert.other_camera = static_cast<int>(partner);
+    for (Record& record : records_) {
+      record.information.setZero();
+      record.evidence.setZero();
+      record.sets = 0;
+    }
+    records_[partner].named = false;
+  }
+  records_[camera].named = false;
   alerts.push_back(alert);
 }
 

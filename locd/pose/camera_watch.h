@@ -25,6 +25,7 @@ struct CameraWatchOptions {
   int sets_to_decide = 70;  ///< after so many the best is named without margin (min_sets–10000)
   double trusted_share = 0.7;    ///< of a camera's markers that must fit, on average (0.5–1)
   int swap_sets = 6;             ///< that only a swap explains, to name it (2–1000)
+  int right_sets = 20;           ///< in which both agree with the others, to end it (2–1000)
   double coherent_share = 0.75;  ///< inliers of a set in which nothing is wrong (0.5–1)
 };
 
@@ -32,7 +33,7 @@ struct CameraWatchOptions {
 /// markers are fitted by themselves; where the cameras' own poses differ from one another, always
 /// in the same way as seen from the rig, one of them does not stand where it should: the one whose
 /// displacement explains most. Where sets fall apart altogether it is asked whether two cameras in
-/// each other's place would explain them.
+/// each other's place would explain them. Either is over when the cameras agree again.
 class CameraWatch {
  public:
   CameraWatch(const Rig& rig, const MapIndex& map, const CameraWatchOptions& options = {});
@@ -67,6 +68,8 @@ class CameraWatch {
     int sets = 0;
     bool named = false;
     AlertKind kind = AlertKind::extrinsics_off;  ///< as what
+    std::size_t partner = 0;                     ///< where it is named as swapped
+    int right_sets = 0;  ///< since it was named as swapped, in which it agrees with another
   };
   struct CameraPair {
     std::size_t a = 0;
@@ -77,7 +80,7 @@ class CameraWatch {
     Vector6d offset = Vector6d::Zero();
     double explained = 0;      ///< χ² that it takes away
     bool significant = false;  ///< large enough to be named
-    bool small = false;        ///< small enough to be forgiven
+    bool small = false;        ///< small enough to end what was said of the camera
   };
 
   void fit_camera(std::size_t camera, std::span<const SetObservation> observations,
@@ -85,6 +88,7 @@ class CameraWatch {
   void sum_displacements();
   [[nodiscard]] Displacement displacement(const Record& record) const;
   void judge_displacements(Stamp stamp, std::vector<Alert>& alerts);
+  void look_for_swaps_that_ended(Stamp stamp, bool coherent, std::vector<Alert>& alerts);
   [[nodiscard]] bool may_be_swapped(const CameraPair& pair) const;
   void look_for_swap(Stamp stamp, std::span<const SetObservation> observations,
                      std::vector<Alert>& alerts);
@@ -92,7 +96,7 @@ class CameraWatch {
                                            std::size_t a, std::size_t b);
   void raise(Stamp stamp, AlertKind kind, std::size_t camera, int other, const Vector6d& offset,
              std::vector<Alert>& alerts);
-  void clear(Stamp stamp, std::size_t camera, std::vector<Alert>& alerts);
+  void end_verdict(Stamp stamp, std::size_t camera, std::vector<Alert>& alerts);
 
   const MapIndex& map_;
   CameraWatchOptions options_;

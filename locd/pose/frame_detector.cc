@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "core/base/parallel.h"
+#include "core/marker/image_families.h"
 
 namespace waymark {
 namespace {
@@ -15,14 +16,21 @@ bool has_size_of(const GrayView& image, const CameraModel& camera) {
 
 }  // namespace
 
-FrameDetector::FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads)
+FrameDetector::FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads,
+                             const std::function<void()>& begin_worker)
     : rig_(rig), found_(rig.cameras.size()) {
+  if (families_in_images(catalog).empty()) return;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     detectors_.push_back(std::make_unique<ImageDetector>(catalog));
   }
   const int wanted =
       std::min<int>(effective_threads(threads), static_cast<int>(rig.cameras.size()));
-  for (int i = 1; i < wanted; ++i) workers_.emplace_back([this] { work(); });
+  for (int i = 1; i < wanted; ++i) {
+    workers_.emplace_back([this, begin_worker] {
+      if (begin_worker) begin_worker();
+      work();
+    });
+  }
 }
 
 FrameDetector::~FrameDetector() {
@@ -42,7 +50,7 @@ void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras) {
     const Frame& frame = set.frames[c];
     if (frame.detections() != nullptr) {
       results_[c] = frame.detections()->detections;
-    } else if (has_size_of(frame.image(), rig_.cameras[c].model)) {
+    } else if (!detectors_.empty() && has_size_of(frame.image(), rig_.cameras[c].model)) {
       to_search |= camera_bit(c);
     }
   }

@@ -1,14 +1,14 @@
 #pragma once
 
 #include <array>
-#include <condition_variable>
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <mutex>
 #include <span>
 #include <thread>
 #include <vector>
 
+#include "core/base/priority_mutex.h"
 #include "core/camera/rig.h"
 #include "core/detect/image_detector.h"
 #include "core/marker/marker_catalog.h"
@@ -21,9 +21,11 @@ namespace waymark {
 /// at again.
 class FrameDetector {
  public:
-  /// `threads` 0: one per camera, at most as many as there are processors. The caller's thread is
-  /// one of them. The rig must outlive the detector.
-  FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads);
+  /// `threads` 0: one per camera, at most as many as there are processors. The thread that calls
+  /// detect is one of them; each of the others calls `begin_worker` first, where it is given. With
+  /// a catalog without entries nothing is found in images. The rig must outlive the detector.
+  FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads,
+                const std::function<void()>& begin_worker = {});
   ~FrameDetector();
   FrameDetector(const FrameDetector&) = delete;
   FrameDetector& operator=(const FrameDetector&) = delete;
@@ -45,9 +47,9 @@ class FrameDetector {
   std::vector<const FoundMarkers*> found_;  ///< the detectors' own
   std::array<std::span<const Detection>, kMaxCameras> results_;
 
-  std::mutex mutex_;
-  std::condition_variable begun_;
-  std::condition_variable done_;
+  PriorityMutex mutex_;  ///< of everything below: the workers may be on SCHED_FIFO
+  PriorityCondition begun_;
+  PriorityCondition done_;
   const FrameSetLease* set_ = nullptr;
   CameraMask waiting_ = 0;  ///< cameras that no thread has taken
   int unfinished_ = 0;      ///< cameras taken or waiting

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <tuple>
 
 #include "core/base/check.h"
 #include "drivers/monotonic_clock.h"
@@ -30,12 +31,21 @@ MotionOptions motion_options(const LocalizerOptions& options) {
 
 }  // namespace
 
+Status LocalizerOptions::check() const {
+  if (auto checked = gate.check(); !checked) return checked;
+  return RangeCheck()
+      .field("prior_max_age_s", prior_max_age_s, kPriorMaxAge_s)
+      .field("negligible_skew in ms", 1e3 * seconds(negligible_skew), kNegligibleSkew_ms)
+      .field("detection_threads", detection_threads, kDetectionThreads)
+      .status();
+}
+
 struct Localizer::Implementation {
   Implementation(const Rig& rig_in, const MarkerMap& map_in, const LocalizerOptions& options_in)
       : rig(rig_in),
         options(options_in),
         map(map_in),
-        detector(rig, map.catalog(), options.detection_threads),
+        detector(rig, map.catalog(), options.detection_threads, options.begin_worker),
         robust(rig, map, {}),
         gate(options.gate),
         motion(motion_options(options)),
@@ -46,13 +56,17 @@ struct Localizer::Implementation {
     observations.reserve(kMaxObservations);
     quarantined.reserve(kMaxObservations);
     alerts.reserve(kMaxObservations);
+    candidates.reserve(2 * kMaxObservations);
     WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
+    WAYMARK_CHECK(rig.cameras.size() == 1 || rig.has_extrinsics);
+    WAYMARK_CHECK(options.check().has_value());
   }
 
   void localize(const FrameSetLease& set, PoseEstimate& estimate);
-  void begin(const FrameSetLease& set, PoseEstimate& estimate) const;
-  void observe(const FrameSetLease& set, PoseEstimate& estimate);
-  void observe_camera(std::size_t camera, PoseEstimate& estimate);
+  void look_at_images(const FrameSetLease& set);
+  void find_candidates(const FrameSetLease& set);
+  void observe(PoseEstimate& estimate);
+  void observe(std::size_t camera, const Detection& detection, PoseEstimate& estimate);
   void time_observations(const FrameSetLease& set, PoseEstimate& estimate);
   void solve(const FrameSetLease& set, PoseEstimate& estimate);
   void report(const PoseSolution& solution, PoseEstimate& estimate) const;
@@ -74,6 +88,14 @@ struct Localizer::Implementation {
   CameraWatch camera_watch;
   ImageHealth health;
   SkewWatch skew_watch;
+  CameraMask usable = 0;  ///< cameras of the set whose images are of use
+  /// A detection of the set, before it is known how many there are.
+  struct Candidate {
+    std::size_t camera;
+    std::size_t index;  ///< among its camera's detections
+    double area_px2;
+  };
+  std::vector<Candidate> candidates;
   std::vector<SetObservation> observations;
   std::vector<SetObservation> quarantined;  ///< held against the pose, take no part in it
   std::vector<Alert> alerts;
@@ -81,43 +103,63 @@ struct Localizer::Implementation {
 
 void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate& estimate) {
   alerts.clear();
-  begin(set, estimate);
+  estimate.reset(PoseReason::no_markers, set);
   const Stamp started = monotonic_now();
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    if (set.has(c) && set.frames[c].has_image()) {
-      health.look(c, set.frames[c].image(), set.frames[c].stamp(), alerts);
-    }
-  }
+  look_at_images(set);
   skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
-  detector.detect(set, set.cameras & ~health.unhealthy());
+  detector.detect(set, usable);
   const Stamp detected = monotonic_now();
-  observe(set, estimate);
+  find_candidates(set);
+  observe(estimate);
   time_observations(set, estimate);
   solve(set, estimate);
   estimate.times.detect = detected - started;
   estimate.times.solve = monotonic_now() - detected;
 }
 
-void Localizer::Implementation::begin(const FrameSetLease& set, PoseEstimate& estimate) const {
-  estimate.lose(PoseReason::no_markers);
-  estimate.sequence = set.sequence;
-  estimate.stamp = set.mean_stamp();
-  estimate.set_stamp = set.set_stamp();
-  estimate.max_skew = set.max_skew();
-  estimate.cameras_expected = set.expected;
-  estimate.cameras_in_set = set.cameras;
-  estimate.markers_seen = 0;
-  estimate.observations.clear();
-  estimate.camera_offset.fill(Stamp{0});
-  estimate.times = {};
+void Localizer::Implementation::look_at_images(const FrameSetLease& set) {
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if (!set.has(c)) continue;
+    const Frame& frame = set.frames[c];
+    if (frame.has_image()) {
+      health.look(c, frame.image(), frame.stamp(), alerts);
+    } else if (frame.detections() != nullptr) {
+      health.look(c, frame.detections()->detections, frame.stamp(), alerts);
+    }
+  }
+  usable = set.cameras & ~health.unhealthy() & ~health.repeated();
 }
 
-/// Every detection with what is known of its marker.
-void Localizer::Implementation::observe(const FrameSetLease& set, PoseEstimate& estimate) {
+/// The detections that are used, by camera: of more than kMaxObservations, the largest in the
+/// image.
+void Localizer::Implementation::find_candidates(const FrameSetLease& set) {
+  candidates.clear();
+  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
+    if (!set.has(camera)) continue;
+    const auto detections = detector.detections_of(camera);
+    for (std::size_t i = 0; i < detections.size(); ++i) {
+      candidates.push_back({camera, i, area_px2(detections[i].corners)});
+    }
+  }
+  if (candidates.size() <= kMaxObservations) return;
+  const auto end = candidates.begin() + kMaxObservations;
+  std::nth_element(
+      candidates.begin(), end, candidates.end(), [](const Candidate& a, const Candidate& b) {
+        return std::tie(b.area_px2, a.camera, a.index) < std::tie(a.area_px2, b.camera, b.index);
+      });
+  candidates.erase(end, candidates.end());
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.camera, a.index) < std::tie(b.camera, b.index);
+  });
+}
+
+/// Every candidate with what is known of its marker.
+void Localizer::Implementation::observe(PoseEstimate& estimate) {
   observations.clear();
   quarantined.clear();
-  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
-    if (set.has(camera)) observe_camera(camera, estimate);
+  for (const Candidate& candidate : candidates) {
+    const auto detections = detector.detections_of(candidate.camera);
+    observe(candidate.camera, detections[candidate.index], estimate);
   }
   for (std::size_t i = 0; i < estimate.observations.size(); ++i) {
     const auto& seen = estimate.observations;
@@ -128,38 +170,36 @@ void Localizer::Implementation::observe(const FrameSetLease& set, PoseEstimate& 
   }
 }
 
-void Localizer::Implementation::observe_camera(std::size_t camera, PoseEstimate& estimate) {
-  const auto detections = detector.detections_of(camera);
-  for (const Detection& detection : detections) {
-    if (estimate.observations.size() == kMaxObservations) return;
-    ObservedMarker seen;
-    seen.marker = detection.marker;
-    seen.camera = static_cast<std::int16_t>(camera);
-    seen.corners_px = detection.corners;
-    const auto map_index = map.find(detection.marker);
-    const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
-    if (!map_index) {
-      seen.verdict = ObservationVerdict::unknown;
-    } else if (std::count_if(detections.begin(), detections.end(), same_id) > 1) {
-      seen.verdict = ObservationVerdict::repeated;
+void Localizer::Implementation::observe(std::size_t camera, const Detection& detection,
+                                        PoseEstimate& estimate) {
+  ObservedMarker seen;
+  seen.marker = detection.marker;
+  seen.camera = static_cast<std::int16_t>(camera);
+  seen.corners_px = detection.corners;
+  const auto of_camera = detector.detections_of(camera);
+  const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
+  const auto map_index = map.find(detection.marker);
+  if (!map_index) {
+    seen.verdict = ObservationVerdict::unknown;
+  } else if (std::count_if(of_camera.begin(), of_camera.end(), same_id) > 1) {
+    seen.verdict = ObservationVerdict::repeated;
+  } else {
+    const bool use = !map.quarantined(*map_index);
+    if (!use) seen.verdict = ObservationVerdict::quarantined;
+    SetObservation& o = (use ? observations : quarantined).emplace_back();
+    o.observation.camera = static_cast<int>(camera);
+    o.observation.size_m = map.marker(*map_index).size_m;
+    o.detected_px = detection.corners;
+    if (detection.covariances) {
+      o.stated = *detection.covariances;
     } else {
-      const bool use = !map.quarantined(*map_index);
-      if (!use) seen.verdict = ObservationVerdict::quarantined;
-      SetObservation& o = (use ? observations : quarantined).emplace_back();
-      o.observation.camera = static_cast<int>(camera);
-      o.observation.size_m = map.marker(*map_index).size_m;
-      o.detected_px = detection.corners;
-      if (detection.covariances) {
-        o.stated = *detection.covariances;
-      } else {
-        o.stated.fill(Eigen::Matrix2d::Zero());
-      }
-      if (!noise) noise.emplace(detection.covariances.has_value());
-      o.map_index = *map_index;
-      o.report_index = estimate.observations.size();
+      o.stated.fill(Eigen::Matrix2d::Zero());
     }
-    estimate.observations.push_back(seen);
+    if (!noise) noise.emplace(detection.covariances.has_value());
+    o.map_index = *map_index;
+    o.report_index = estimate.observations.size();
   }
+  estimate.observations.push_back(seen);
 }
 
 /// The set's instant, and each corner's from there: the cameras' skew and their rows' read-out.
@@ -206,7 +246,7 @@ void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& es
   if (prior) predicted = prior->world_from_rig;
   const auto solution = robust.solve(observations, predicted, velocity, noise->model_sigma_px());
   if (!solution) {
-    estimate.lose(PoseReason::no_solution);
+    estimate.lose_pose(PoseReason::no_solution);
     return;
   }
   report(*solution, estimate);
@@ -224,13 +264,14 @@ void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate
     seen.sigmas_squared = o.sigmas_squared;
   }
   if (estimate.has(PoseReason::no_velocity)) return;
-  // A camera that stands elsewhere makes the pose jump between its word and the others'.
+  // A camera that stands elsewhere makes the pose jump between what it and what the others show.
   camera_watch.update(estimate.stamp, observations, solution.world_from_rig, alerts);
   if (estimate.has(PoseReason::jump)) return;
   learn_noise();
   const CameraMask trusted = camera_watch.trusted();
   map_watch.update(estimate.stamp, observations, solution, trusted, alerts);
   map_watch.update(estimate.stamp, quarantined, solution, trusted, alerts);
+  map_watch.forget_unknown(estimate.stamp, alerts);
   if (solution.ambiguous || solution.inlier_markers < 2) return;
   for (const ObservedMarker& seen : estimate.observations) {
     if (seen.verdict == ObservationVerdict::unknown) {
@@ -270,8 +311,7 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   if (camera_watch.suspects() != 0 || some_camera_disagrees()) {
     reasons |= bit(PoseReason::camera_suspect);
   }
-  if ((set.cameras & ~health.unhealthy()) != set.expected)
-    reasons |= bit(PoseReason::camera_missing);
+  if (usable != set.expected) reasons |= bit(PoseReason::camera_missing);
   Stamp readout{0};
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     if (!set.has(c)) continue;
@@ -335,8 +375,12 @@ std::span<const Alert> Localizer::alerts() const { return implementation_->alert
 
 bool Localizer::quarantine_changed() const { return implementation_->map_watch.changed(); }
 
-std::vector<QuarantinedMarker> Localizer::quarantine() {
-  return implementation_->map_watch.quarantine();
+void Localizer::list_quarantine(std::vector<QuarantinedMarker>& list) {
+  implementation_->map_watch.list_quarantine(list);
+}
+
+std::size_t Localizer::most_quarantined() const {
+  return implementation_->map_watch.most_quarantined();
 }
 
 void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {

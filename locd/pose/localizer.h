@@ -1,8 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <vector>
 
+#include "core/base/range.h"
 #include "core/camera/rig.h"
 #include "core/map/marker_map.h"
 #include "core/map/quarantine.h"
@@ -16,13 +19,20 @@ namespace waymark {
 /// How frame sets become poses.
 struct LocalizerOptions {
   GateOptions gate;
-  /// Older poses say nothing of the next. (0.05–10 s)
-  double prior_max_age_s = 0.5;
+  double prior_max_age_s = 0.5;  ///< older poses say nothing of the next
   /// Exposures farther apart need the rig's velocity to be put together; on a triggered rig they
-  /// must not occur. (0–100 ms)
+  /// must not occur.
   Stamp negligible_skew = std::chrono::microseconds(1000);
   bool triggered = false;     ///< the rig's cameras expose together: skew is a fault
   int detection_threads = 0;  ///< 0: one per camera, at most as many as there are processors
+  /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
+  std::function<void()> begin_worker;
+
+  static constexpr Range kPriorMaxAge_s{0.05, 10};
+  static constexpr Range kNegligibleSkew_ms{0, 100};
+  static constexpr Range kDetectionThreads{0, kMaxCameras};
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// From frame sets to poses that can be trusted: finds markers in all cameras, solves for the rig
@@ -32,7 +42,8 @@ struct LocalizerOptions {
 class Localizer {
  public:
   /// Copies what it needs of rig and map. The rig has extrinsics or one camera, at most
-  /// kMaxCameras; the map has a marker (checked).
+  /// kMaxCameras; the map has a marker; the options are valid (checked). Markers of families that
+  /// are not found in images are used only where detections come with the frames.
   Localizer(const Rig& rig, const MarkerMap& map, const LocalizerOptions& options);
   ~Localizer();
   Localizer(const Localizer&) = delete;
@@ -44,17 +55,20 @@ class Localizer {
   /// What began or ended with the last set.
   [[nodiscard]] std::span<const Alert> alerts() const;
 
-  /// Discards prior and velocity (a clock's step, a gap); statistics stay.
+  /// Discards prior and velocity, for the vehicle may have been moved unseen (the machine slept);
+  /// statistics stay.
   void forget_motion();
 
-  /// Markers that the map watch distrusts, to be kept across restarts; changed() since the last
-  /// call of quarantine().
+  /// Markers that the map watch distrusts, to be kept across restarts: whether they are others than
+  /// at the last call of list_quarantine().
   [[nodiscard]] bool quarantine_changed() const;
-  [[nodiscard]] std::vector<QuarantinedMarker> quarantine();
+  /// Puts them into `list`, by rising id; never more than most_quarantined().
+  void list_quarantine(std::vector<QuarantinedMarker>& list);
+  [[nodiscard]] std::size_t most_quarantined() const;
   /// Takes over what a former run knew; ids that the map lacks are passed over.
   void restore_quarantine(std::span<const QuarantinedMarker> markers);
 
-  /// Cameras whose images can't be used now: frozen, dark, saturated, obscured.
+  /// Cameras whose images can't be used now: frozen, stale, dark, saturated, obscured.
   [[nodiscard]] CameraMask unhealthy_cameras() const;
 
  private:

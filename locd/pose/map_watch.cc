@@ -14,8 +14,6 @@ namespace {
 constexpr double kLinear = 400.0;
 /// As RobustPose tells inliers.
 constexpr double kFits = 36.0;
-/// Ids that the map lacks and that are remembered; of more, the ones not seen for longest go.
-constexpr std::size_t kMostUnknown = 64;
 
 /// What of the residuals' unit covariance is left when the pose has (inlier) or has not (outlier)
 /// been fitted to them: 1 − J P Jᵀ, (1 + J P Jᵀ)⁻¹. As information on r it is cov⁻¹ after
@@ -32,38 +30,87 @@ Matrix8d left_out_information(const WhitenedResidual& w, const Matrix6d& pose_co
 MapWatch::MapWatch(MapIndex& map, const RigPoseSolver& solver, const MapWatchOptions& options)
     : map_(map), solver_(solver), options_(options), records_(map.size()) {
   unknown_.reserve(kMostUnknown);
+  seen_.reserve(kMaxObservations);
 }
 
 void MapWatch::update(Stamp stamp, std::span<const SetObservation> observations,
                       const PoseSolution& solution, CameraMask trusted_cameras,
                       std::vector<Alert>& alerts) {
   if (solution.ambiguous || solution.inlier_markers < 2 * solution.outlier_markers) return;
+  find_seen(observations, trusted_cameras);
+  std::erase_if(seen_, [&](const Seen& seen) {
+    const int others = solution.inlier_markers - (seen.inlier ? 1 : 0);
+    const bool tells = seen.observations > 0 && others >= options_.min_other_markers;
+    records_[seen.map_index].seen = -1;
+    return !tells;
+  });
+  const double keep = 1.0 - 1.0 / options_.memory_sets;
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    Record& record = records_[seen_[i].map_index];
+    record.seen = static_cast<int>(i);
+    record.information *= keep;
+    record.evidence *= keep;
+  }
   for (const SetObservation& o : observations) {
-    const int others = solution.inlier_markers - (o.inlier ? 1 : 0);
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    if (others < options_.min_other_markers || (trusted_cameras & camera_bit(camera)) == 0)
-      continue;
     Record& record = records_[o.map_index];
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    if (record.seen < 0 || (trusted_cameras & camera_bit(camera)) == 0) continue;
     if (o.sigmas_squared <= kLinear) sum_residuals(o, solution, record);
-    if (o.sigmas_squared <= kFits) {
-      record.sets_in_place = std::min(record.sets_in_place + 1, options_.sets_back);
-      record.sets_elsewhere = std::max(record.sets_elsewhere - 1, 0);
-    } else {
-      record.sets_in_place = std::max(0, std::min(record.sets_in_place - 1, 5));
-      look_elsewhere(o, solution, record);
+  }
+  for (const Seen& seen : seen_) {
+    records_[seen.map_index].seen = -1;
+    count(seen, solution);
+    judge(stamp, seen.map_index, alerts);
+  }
+}
+
+/// The set's markers, each with what the trusted cameras see of it.
+void MapWatch::find_seen(std::span<const SetObservation> observations, CameraMask trusted_cameras) {
+  seen_.clear();
+  for (const SetObservation& o : observations) {
+    Record& record = records_[o.map_index];
+    if (record.seen < 0) {
+      record.seen = static_cast<int>(seen_.size());
+      seen_.emplace_back().map_index = o.map_index;
     }
-    Vector6d offset = Vector6d::Zero();
-    const bool drift = drifted(record, map_.marker(o.map_index), offset);
-    if (map_.quarantined(o.map_index)) {
-      if (record.sets_in_place >= options_.sets_back && !drift) {
-        welcome_back(stamp, o.map_index, alerts);
-      }
-    } else if (record.sets_elsewhere >= options_.sets_elsewhere && record.sets_in_place == 0) {
-      name(stamp, o.map_index, record.elsewhere.minus(map_.marker(o.map_index).world_from_marker),
-           alerts);
-    } else if (drift) {
-      name(stamp, o.map_index, offset, alerts);
+    Seen& seen = seen_[static_cast<std::size_t>(record.seen)];
+    seen.inlier = seen.inlier || o.inlier;
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    if ((trusted_cameras & camera_bit(camera)) == 0) continue;
+    ++seen.observations;
+    seen.fitting += o.sigmas_squared <= kFits ? 1 : 0;
+    if (seen.largest == nullptr || area_px2(o.detected_px) > area_px2(seen.largest->detected_px)) {
+      seen.largest = &o;
     }
+  }
+}
+
+/// Counts what the set tells of where the marker hangs: nothing, where cameras contradict one
+/// another.
+void MapWatch::count(const Seen& seen, const PoseSolution& solution) {
+  Record& record = records_[seen.map_index];
+  if (seen.fitting == seen.observations) {
+    record.sets_in_place = std::min(record.sets_in_place + 1, options_.sets_back);
+    record.sets_elsewhere = std::max(record.sets_elsewhere - 1, 0);
+  } else if (seen.fitting == 0) {
+    record.sets_in_place = std::max(0, std::min(record.sets_in_place - 1, 5));
+    look_elsewhere(*seen.largest, solution, record);
+  }
+}
+
+void MapWatch::judge(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts) {
+  const Record& record = records_[map_index];
+  const MapMarker& marker = map_.marker(map_index);
+  Vector6d offset = Vector6d::Zero();
+  const bool drift = drifted(record, marker, offset);
+  if (map_.quarantined(map_index)) {
+    if (record.sets_in_place >= options_.sets_back && !drift) {
+      end_quarantine(stamp, map_index, alerts);
+    }
+  } else if (record.sets_elsewhere >= options_.sets_elsewhere && record.sets_in_place == 0) {
+    begin_quarantine(stamp, map_index, record.elsewhere.minus(marker.world_from_marker), alerts);
+  } else if (drift) {
+    begin_quarantine(stamp, map_index, offset, alerts);
   }
 }
 
@@ -73,12 +120,10 @@ void MapWatch::sum_residuals(const SetObservation& o, const PoseSolution& soluti
   if (!left) return;
   const WhitenedResidual& w = *left;
   const Matrix8d information = left_out_information(w, solution.noise_covariance, o.inlier);
-  const double keep = 1.0 - 1.0 / options_.memory_sets;
-  record.information =
-      keep * record.information + w.by_marker.transpose() * information * w.by_marker;
+  record.information += w.by_marker.transpose() * information * w.by_marker;
   // Of an inlier the residual left out is (1 − J P Jᵀ)⁻¹ r: its information takes that back.
   const Vector8d weighted = o.inlier ? w.residual : Vector8d(information * w.residual);
-  record.evidence = keep * record.evidence - w.by_marker.transpose() * weighted;
+  record.evidence -= w.by_marker.transpose() * weighted;
 }
 
 void MapWatch::look_elsewhere(const SetObservation& o, const PoseSolution& solution,
@@ -127,8 +172,8 @@ bool MapWatch::drifted(const Record& record, const MapMarker& marker, Vector6d& 
   return offset.dot(SymmetricFactor<6>(covariance).solve(offset)) >= options_.naming_chi2;
 }
 
-void MapWatch::name(Stamp stamp, std::size_t map_index, const Vector6d& offset,
-                    std::vector<Alert>& alerts) {
+void MapWatch::begin_quarantine(Stamp stamp, std::size_t map_index, const Vector6d& offset,
+                                std::vector<Alert>& alerts) {
   Record& record = records_[map_index];
   record = {};
   record.offset_m = offset.head<3>().norm();
@@ -143,7 +188,7 @@ void MapWatch::name(Stamp stamp, std::size_t map_index, const Vector6d& offset,
   alerts.push_back(alert);
 }
 
-void MapWatch::welcome_back(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts) {
+void MapWatch::end_quarantine(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts) {
   records_[map_index] = {};
   map_.set_quarantined(map_index, false);
   changed_ = true;
@@ -166,28 +211,49 @@ void MapWatch::note_unknown(Stamp stamp, const MarkerId& marker, std::vector<Ale
           std::min_element(unknown_.begin(), unknown_.end(), [](const auto& a, const auto& b) {
             return a.named != b.named ? !a.named : a.last < b.last;
           });
-      *oldest = {marker, 0, false, stamp};
+      *oldest = {marker, 0, false, {}};
       known = oldest;
     } else {
-      known = unknown_.insert(unknown_.end(), {marker, 0, false, stamp});
+      known = unknown_.insert(unknown_.end(), {marker, 0, false, {}});
     }
   }
-  if (known->sets > 0 && known->last == stamp) return;  // twice in one set
+  if (known->last == stamp) return;  // twice in one set
+  if (known->last && !known->named) {
+    const auto forgotten = (stamp - *known->last) / options_.unknown_memory;
+    known->sets -= static_cast<int>(std::clamp<Stamp::rep>(forgotten, 0, known->sets));
+  }
   known->last = stamp;
   ++known->sets;
   if (known->named || known->sets < options_.sets_unknown) return;
   known->named = true;
+  tell_unknown(stamp, marker, true, alerts);
+}
+
+void MapWatch::forget_unknown(Stamp stamp, std::vector<Alert>& alerts) {
+  for (Unknown& unknown : unknown_) {
+    if (!unknown.named) continue;
+    if (!unknown.last) unknown.last = stamp;
+    if (stamp - *unknown.last < options_.unknown_gone) continue;
+    unknown.named = false;
+    unknown.sets = 0;
+    tell_unknown(stamp, unknown.marker, false, alerts);
+  }
+}
+
+void MapWatch::tell_unknown(Stamp stamp, const MarkerId& marker, bool raised,
+                            std::vector<Alert>& alerts) {
   changed_ = true;
   Alert alert;
   alert.kind = AlertKind::marker_unknown;
+  alert.raised = raised;
   alert.stamp = stamp;
   alert.marker = marker;
   alerts.push_back(alert);
 }
 
-std::vector<QuarantinedMarker> MapWatch::quarantine() {
+void MapWatch::list_quarantine(std::vector<QuarantinedMarker>& list) {
   changed_ = false;
-  std::vector<QuarantinedMarker> list;
+  list.clear();
   for (std::size_t i = 0; i < map_.size(); ++i) {
     if (!map_.quarantined(i)) continue;
     list.push_back({map_.marker(i).id, QuarantineState::moved, 0, records_[i].offset_m});
@@ -197,7 +263,6 @@ std::vector<QuarantinedMarker> MapWatch::quarantine() {
   }
   std::sort(list.begin(), list.end(),
             [](const auto& a, const auto& b) { return a.marker < b.marker; });
-  return list;
 }
 
 void MapWatch::restore(std::span<const QuarantinedMarker> markers) {
@@ -208,7 +273,7 @@ void MapWatch::restore(std::span<const QuarantinedMarker> markers) {
       records_[*index].offset_m = marker.offset_m;
     } else if (marker.state == QuarantineState::unknown && !index &&
                unknown_.size() < kMostUnknown) {
-      unknown_.push_back({marker.marker, options_.sets_unknown, true, Stamp{0}});
+      unknown_.push_back({marker.marker, options_.sets_unknown, true, {}});
     }
   }
 }

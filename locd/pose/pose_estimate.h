@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 #include <vector>
 
 #include "core/geometry/rigid3.h"
@@ -13,6 +14,8 @@
 #include "locd/camera_mask.h"
 
 namespace waymark {
+
+struct FrameSetLease;
 
 /// Observations of one frame set that are used and reported; of more, the largest in the image.
 inline constexpr std::size_t kMaxObservations = 512;
@@ -47,6 +50,10 @@ using ReasonBits = std::uint32_t;
 [[nodiscard]] constexpr ReasonBits bit(PoseReason reason) {
   return static_cast<ReasonBits>(reason);
 }
+/// How many there are: bits 0 to kPoseReasons − 1.
+inline constexpr std::size_t kPoseReasons = 15;
+/// "NO_FRAMES", …: the constant of pose_t.
+[[nodiscard]] std::string_view name_of(PoseReason reason);
 
 /// What was thought of one detection.
 enum class ObservationVerdict : std::int8_t {
@@ -107,8 +114,13 @@ struct PoseEstimate {
   [[nodiscard]] bool has(PoseReason reason) const { return (reasons & bit(reason)) != 0; }
   [[nodiscard]] bool has_pose() const { return status != PoseStatus::lost; }
 
-  /// Makes the estimate one that knows nothing: LOST for `why`, every number NaN, counts 0.
-  void lose(PoseReason why);
+  /// Makes the estimate one that knows nothing: LOST for `why`, every number of the pose NaN,
+  /// stamps and counts 0, no observations.
+  void reset(PoseReason why);
+  /// The same of a frame set: with its number, stamps and cameras.
+  void reset(PoseReason why, const FrameSetLease& set);
+  /// Takes the pose away, LOST for `why`; what was observed stays.
+  void lose_pose(PoseReason why);
   /// The pose moved to `when` by the velocity, where that is known.
   [[nodiscard]] Rigid3 world_from_rig_at(Stamp when) const;
 };

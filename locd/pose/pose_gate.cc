@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/geometry/decompositions.h"
 #include "core/geometry/symmetric_factor.h"
@@ -17,6 +18,22 @@ double largest_sigma(const Eigen::Matrix3d& covariance) {
 }
 
 }  // namespace
+
+Status GateOptions::check() const {
+  // As a configuration's degrees are converted, so that both ends are within.
+  const auto radians = [](const Range& degrees) {
+    constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
+    return Range{degrees.low * kRadiansPerDegree, degrees.high * kRadiansPerDegree};
+  };
+  return RangeCheck()
+      .field("max_3sigma_m", max_3sigma_m, kMax3Sigma_m)
+      .field("max_3sigma_rad", max_3sigma_rad, radians(kMax3Sigma_deg))
+      .field("v_max_mps", v_max_mps, kVMax_mps)
+      .field("w_max_radps", w_max_radps, radians(kWMax_degps))
+      .field("vouching_factor", vouching_factor, kVouchingFactor)
+      .field("sets_to_believe_jump", sets_to_believe_jump, kSetsToBelieveJump)
+      .status();
+}
 
 PoseSigmas worst_sigmas(const Matrix6d& covariance) {
   return {largest_sigma(covariance.topLeftCorner<3, 3>()),

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "core/base/range.h"
 #include "locd/pose/motion_filter.h"
 #include "locd/pose/pose_estimate.h"
 #include "locd/pose/robust_pose.h"
@@ -10,15 +11,23 @@ namespace waymark {
 
 /// What OK means.
 struct GateOptions {
-  double max_3sigma_m = 0.020;      ///< along the worst direction (1 mm–1 m)
-  double max_3sigma_rad = 0.00873;  ///< 0.5°, about the worst axis (0.01–10°)
-  double v_max_mps = 3.0;           ///< the vehicle is never faster (0.1–50)
-  double w_max_radps = 2.1;         ///< 120°/s: it never turns faster (1–1000°/s)
-  /// A prior that is surer than so many times the limits may vouch for a single marker. (1–10)
+  double max_3sigma_m = 0.020;      ///< along the worst direction
+  double max_3sigma_rad = 0.00873;  ///< 0.5°, about the worst axis
+  double v_max_mps = 3.0;           ///< the vehicle is never faster
+  double w_max_radps = 2.1;         ///< 120°/s: it never turns faster
+  /// A prior that is surer than so many times the limits may vouch for a single marker.
   double vouching_factor = 2.0;
   /// A pose in another place is taken back to be true when so many sets in a row agree on it.
-  /// (2–100)
   int sets_to_believe_jump = 3;
+
+  static constexpr Range kMax3Sigma_m{0.001, 1};
+  static constexpr Range kMax3Sigma_deg{0.01, 10};
+  static constexpr Range kVMax_mps{0.1, 100};
+  static constexpr Range kWMax_degps{1, 10'000};
+  static constexpr Range kVouchingFactor{1, 10};
+  static constexpr Range kSetsToBelieveJump{2, 100};
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Largest standard deviation of a pose's position (m) and about any axis (rad).

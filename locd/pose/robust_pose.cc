@@ -51,10 +51,10 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   // The set's own say about the velocity, twice: then inliers and velocity have settled.
   for (int round = 0; round < (in_motion ? 3 : 1); ++round) {
     if (!polish(observations, pose, believed, model_sigma_px) &&
-        !(round == 0 && hear_cameras(observations, pose, believed, model_sigma_px))) {
+        !(round == 0 && try_poses_of_cameras(observations, pose, believed, model_sigma_px))) {
       return std::nullopt;
     }
-    if (round == 0 && hear_outliers(observations, pose, believed, model_sigma_px)) {
+    if (round == 0 && try_pose_of_outliers(observations, pose, believed, model_sigma_px)) {
       solution.ambiguous = true;
     }
     if (!in_motion) break;
@@ -128,8 +128,8 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
 /// When cameras of equal weight contradict each other, the pose between them explains none: then
 /// each one's own pose is asked, and that which explains most of all is taken. False when none
 /// explains anything.
-bool RobustPose::hear_cameras(std::span<SetObservation> observations, Rigid3& pose,
-                              const VelocityPrior& believed, double model_sigma_px) {
+bool RobustPose::try_poses_of_cameras(std::span<SetObservation> observations, Rigid3& pose,
+                                      const VelocityPrior& believed, double model_sigma_px) {
   constexpr std::size_t kFewest = 2;  // a single marker can be seen in two ways
   const Rigid3 between = pose;
   double best = std::numeric_limits<double>::infinity();
@@ -155,8 +155,8 @@ bool RobustPose::hear_cameras(std::span<SetObservation> observations, Rigid3& po
 
 /// When a quarter or more are outliers: what pose do they give among themselves? It is taken when
 /// it explains more of all than the other did. True when both explain the set about as well.
-bool RobustPose::hear_outliers(std::span<SetObservation> observations, Rigid3& pose,
-                               const VelocityPrior& believed, double model_sigma_px) {
+bool RobustPose::try_pose_of_outliers(std::span<SetObservation> observations, Rigid3& pose,
+                                      const VelocityPrior& believed, double model_sigma_px) {
   constexpr double kAlike = 20.0;  // sigmas², as RigPoseOptions::ambiguity_gap
   collect(observations, Which::outliers);
   if (4 * fixed_.size() < observations.size() || fixed_.empty()) return false;

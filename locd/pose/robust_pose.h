@@ -31,7 +31,7 @@ struct PoseSolution {
 struct RobustPoseOptions {
   /// Markers beyond are outliers: 36 is exceeded by 1 of 56,000 of χ² with 8 degrees of freedom.
   double inlier_sigmas = 6.0;  ///< (4–20)
-  /// Where Tukey's loss, which has the last word before inliers are told, is flat. (6–40 sigmas)
+  /// Where Tukey's loss, the last before inliers are told, is flat. (6–40 sigmas)
   double tukey_sigmas = 12.0;
   int seed_observations = 8;       ///< largest ones that seed, where they explain the set (1–64)
   int all_seed_observations = 32;  ///< the same where they do not (1–512)
@@ -39,9 +39,9 @@ struct RobustPoseOptions {
 
 /// One robust optimization over all corners of all cameras with the map's markers fixed (core's
 /// Algorithm 1): starts from the prior and from fresh IPPE candidates, so that a wrong prior can't
-/// hold it; Huber's loss finds the way, Tukey's lets go of what does not belong, and least squares
-/// over the inliers has the full efficiency. Where many don't belong, they are asked whether they
-/// agree on another pose; where none do, each camera is asked for its own.
+/// hold it; Huber's loss comes near the optimum, Tukey's rejects outliers, and least squares
+/// over the inliers has the full efficiency. Where there are many outliers, the pose that they
+/// agree on is tried, too; where there are only outliers, each camera's own.
 ///
 /// Corners of other instants than the set's (free-running cameras, rolling shutters) are moved by
 /// what the velocity does to them. The velocity, known beforehand to its covariance, is corrected
@@ -79,10 +79,10 @@ class RobustPose {
                                                          const std::optional<Rigid3>& predicted);
   [[nodiscard]] bool polish(std::span<SetObservation> observations, Rigid3& pose,
                             const VelocityPrior& believed, double model_sigma_px);
-  [[nodiscard]] bool hear_cameras(std::span<SetObservation> observations, Rigid3& pose,
-                                  const VelocityPrior& believed, double model_sigma_px);
-  [[nodiscard]] bool hear_outliers(std::span<SetObservation> observations, Rigid3& pose,
-                                   const VelocityPrior& believed, double model_sigma_px);
+  [[nodiscard]] bool try_poses_of_cameras(std::span<SetObservation> observations, Rigid3& pose,
+                                          const VelocityPrior& believed, double model_sigma_px);
+  [[nodiscard]] bool try_pose_of_outliers(std::span<SetObservation> observations, Rigid3& pose,
+                                          const VelocityPrior& believed, double model_sigma_px);
   void count_markers(std::span<const SetObservation> observations, PoseSolution& solution);
 
   const MapIndex& map_;

@@ -54,14 +54,14 @@ ClockOffset::ClockOffset(const ClockReading& start)
       offset_(wall_minus_monotonic(start)),
       status_(start.wall < kEarliestDate ? TimeStatus::unset : TimeStatus::ok) {}
 
-void ClockOffset::update(const ClockReading& now) {
+ClockEvent ClockOffset::update(const ClockReading& now) {
   const Stamp elapsed = std::max(Stamp{0}, now.monotonic - last_.monotonic);
   const Stamp moved = wall_minus_monotonic(now) - wall_minus_monotonic(last_);
   const Stamp slept = (now.boottime - now.monotonic) - (last_.boottime - last_.monotonic);
   const Stamp allowed = kStep + part_per_million(elapsed, kMaxDrift_ppm);
   last_ = now;
 
-  const Stamp slew = part_per_million(elapsed, kMaxSlew_ppm);
+  const Stamp slew = part_per_million(std::min(elapsed, kLongestSlew), kMaxSlew_ppm);
   offset_ += std::clamp(wall_minus_monotonic(now) - offset_, -slew, slew);
 
   if (std::chrono::abs(moved) > allowed || slept > allowed) {
@@ -69,15 +69,17 @@ void ClockOffset::update(const ClockReading& now) {
     if (status_ != TimeStatus::unset) {
       status_ = slept > allowed ? TimeStatus::suspended : TimeStatus::stepped;
     }
-    return;
+    return slept > allowed ? ClockEvent::slept : ClockEvent::stepped;
   }
   const bool follows = std::chrono::abs(error()) <= kTolerance;
-  if (status_ == TimeStatus::unset) return;  // utime was no date when the session began
+  // Unset stays: utime was no date when the session began.
+  if (status_ == TimeStatus::unset) return ClockEvent::none;
   if (follows) {
     status_ = TimeStatus::ok;
   } else if (status_ == TimeStatus::ok) {
     status_ = TimeStatus::slewing;
   }
+  return ClockEvent::none;
 }
 
 std::int64_t ClockOffset::utime_us(Stamp stamp) const {

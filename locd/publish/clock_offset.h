@@ -26,6 +26,13 @@ enum class TimeStatus : std::int8_t {
   unset = 4,      ///< the wall clock stood before 2020 at the start: utime is no date
 };
 
+/// What has happened to the machine's clocks between two readings.
+enum class ClockEvent {
+  none,
+  stepped,  ///< the wall clock was set
+  slept,    ///< the machine was suspended: CLOCK_MONOTONIC stood still, the vehicle may not have
+};
+
 /// Turns stamps into utime: stamp + offset. The offset is taken from the wall clock once and from
 /// then on follows it by at most 500 ppm, so that a step of the wall clock, a suspend or a clock
 /// that gets its date late never bends an interval between two poses by more than that. Pure; not
@@ -48,10 +55,15 @@ class ClockOffset {
 
   explicit ClockOffset(const ClockReading& start);
 
-  /// Follows the clocks; call several times a second.
-  void update(const ClockReading& now);
+  /// Of the time between two readings, at most so much is slewed for: after a gap the offset does
+  /// not move by more than 0.1 ms at once, which is less than lies between two frame sets.
+  static constexpr Stamp kLongestSlew = std::chrono::milliseconds(200);
 
-  /// µs since the epoch of an instant on CLOCK_MONOTONIC. Never falls while stamps rise.
+  /// Follows the clocks; call several times a second.
+  ClockEvent update(const ClockReading& now);
+
+  /// µs since the epoch of an instant on CLOCK_MONOTONIC. Never falls while stamps rise by 0.1 ms
+  /// or more.
   [[nodiscard]] std::int64_t utime_us(Stamp stamp) const;
   /// What utime adds to a stamp.
   [[nodiscard]] Stamp offset() const { return offset_; }

@@ -136,22 +136,17 @@ void fill_detections(const PoseEstimate& estimate, const SessionFacts& session,
   }
 }
 
-void fill_alert(const Alert& alert, const Rig& rig, bool several_families,
+void fill_alert(const Alert& alert, const Rig& rig, const MapIdentity& map,
                 const SessionFacts& session, const ClockOffset& clock, alert_t& message) {
   message.utime = clock.utime_us(alert.stamp);
   message.session_id = session.session_id;
   message.raised = static_cast<std::int8_t>(alert.raised);
   message.kind = name_of(alert.kind);
-  message.subject.clear();
-  if (alert.marker) {
-    message.subject = format_marker_id(*alert.marker, several_families);
-  } else if (alert.camera >= 0 && static_cast<std::size_t>(alert.camera) < rig.cameras.size()) {
-    message.subject = rig.cameras[static_cast<std::size_t>(alert.camera)].name;
-  }
-  message.text = describe(alert, rig, several_families);
+  message.subject = subject_of(alert, rig, map.several_families);
+  message.text = alert_text(alert, rig, map.several_families);
   message.offset_m = alert.offset_m;
   message.offset_rad = alert.offset_rad;
-  message.map_hash = session.map_hash;
+  message.map_hash = map.map_hash;
 }
 
 Matrix6d covariance_of_base(const Rigid3& world_from_rig, const Matrix6d& covariance,

@@ -23,6 +23,13 @@ struct SessionFacts {
   std::size_t cameras = 0;     ///< of the rig
 };
 
+/// What of the map in use messages and people need to know.
+struct MapIdentity {
+  std::string map_hash;           ///< 16 hexadecimal digits; empty without a map
+  bool world_z_is_up = false;     ///< as the map says
+  bool several_families = false;  ///< ids are written with their families
+};
+
 /// A session's name: 16 hexadecimal digits from the kernel's random numbers.
 [[nodiscard]] std::string new_session_id();
 
@@ -36,8 +43,9 @@ void fill_pose(const PoseEstimate& estimate, const SessionFacts& session, const 
                Stamp published, pose_t& message);
 void fill_detections(const PoseEstimate& estimate, const SessionFacts& session,
                      const ClockOffset& clock, detections_t& message);
-/// The text may allocate: alerts are rare and are not published by the solving thread.
-void fill_alert(const Alert& alert, const Rig& rig, bool several_families,
+/// `map`: the one that it was found with. The text may allocate: alerts are rare and are not
+/// published by the solving thread.
+void fill_alert(const Alert& alert, const Rig& rig, const MapIdentity& map,
                 const SessionFacts& session, const ClockOffset& clock, alert_t& message);
 
 /// world_from_base's covariance from world_from_rig's: the rotation's error, times the lever from

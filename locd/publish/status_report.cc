@@ -71,20 +71,21 @@ std::vector<Alert> StatusReport::camera_alerts(const std::vector<RigCapture::Cam
   return alerts;
 }
 
-std::vector<std::string> StatusReport::camera_news(
+std::vector<StatusReport::CameraNews> StatusReport::camera_news(
     const std::vector<RigCapture::CameraState>& states) {
-  std::vector<std::string> lines;
+  std::vector<CameraNews> news;
   for (std::size_t c = 0; c < states.size(); ++c) {
-    const auto tell = [&](std::string& told, const std::string& now) {
+    const std::string& name = cameras_[c].name;
+    const auto tell = [&](const char* what, std::string& told, const std::string& now) {
       if (told == now) return;
       told = now;
-      if (!now.empty()) lines.push_back(fmt::format("{}: {}", cameras_[c].name, now));
+      if (!now.empty()) news.push_back({name + what, fmt::format("{}: {}", name, now)});
     };
-    tell(cameras_[c].description, states[c].description);
-    tell(cameras_[c].error, states[c].error);
-    tell(cameras_[c].changed_settings, states[c].changed_settings);
+    tell(" runs", cameras_[c].description, states[c].description);
+    tell(" fails", cameras_[c].error, states[c].error);
+    tell(" settings", cameras_[c].changed_settings, states[c].changed_settings);
   }
-  return lines;
+  return news;
 }
 
 std::optional<Error> StatusReport::misconfiguration(

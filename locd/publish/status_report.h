@@ -28,9 +28,13 @@ class StatusReport {
   [[nodiscard]] std::vector<Alert> camera_alerts(const std::vector<RigCapture::CameraState>& states,
                                                  Stamp now, Stamp grace);
 
-  /// A line per camera that runs in another way than before ("cam0: GREY 1224×1024 at 30/s, …"), or
-  /// that fails for another reason.
-  [[nodiscard]] std::vector<std::string> camera_news(
+  /// Something to be logged: the same of the same camera comes again under the same key.
+  struct CameraNews {
+    std::string key;   ///< "cam0 runs", "cam0 fails"
+    std::string text;  ///< "cam0: GREY 1224×1024 at 30/s, …"
+  };
+  /// One per camera that runs in another way than before, or that fails for another reason.
+  [[nodiscard]] std::vector<CameraNews> camera_news(
       const std::vector<RigCapture::CameraState>& states);
 
   /// The first camera that only another configuration can mend; nullopt: none.

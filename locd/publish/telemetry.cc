@@ -44,7 +44,7 @@ Stamp Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
 void Telemetry::keep_alive(Stamp now, PoseReason why) {
   const std::lock_guard lock(mutex_);
   if (now - last_pose_ < kHeartbeat) return;
-  no_pose_.lose(why);
+  no_pose_.reset(why);
   no_pose_.stamp = now;
   send_pose(no_pose_, now);
 }
@@ -67,11 +67,11 @@ void Telemetry::send_signed_pose(const MessageKey& key, Stamp now) {
   publisher_.publish(signed_pose_channel_, signed_pose_, now);
 }
 
-void Telemetry::publish_alert(const Alert& alert, const Rig& rig, bool several_families,
+void Telemetry::publish_alert(const Alert& alert, const Rig& rig, const MapIdentity& map,
                               Stamp now) {
   const std::lock_guard lock(mutex_);
   alert_t message{};
-  fill_alert(alert, rig, several_families, session_, clock_, message);
+  fill_alert(alert, rig, map, session_, clock_, message);
   send_alert(message, now);
 }
 
@@ -124,17 +124,15 @@ void Telemetry::fill_latency(status_t& status) {
   status.latency_max_ms = *std::max_element(middle, end);
 }
 
-void Telemetry::set_map(const std::string& map_hash, bool world_z_is_up) {
+void Telemetry::set_map(const MapIdentity& map) {
   const std::lock_guard lock(mutex_);
-  session_.map_hash = map_hash;
-  session_.world_z_is_up = world_z_is_up;
+  session_.map_hash = map.map_hash;
+  session_.world_z_is_up = map.world_z_is_up;
 }
 
-bool Telemetry::follow_clocks(const ClockReading& now) {
+ClockEvent Telemetry::follow_clocks(const ClockReading& now) {
   const std::lock_guard lock(mutex_);
-  const int steps = clock_.steps();
-  clock_.update(now);
-  return clock_.steps() > steps;
+  return clock_.update(now);
 }
 
 SessionFacts Telemetry::session() const {

@@ -33,7 +33,8 @@ class Telemetry {
   Stamp publish_pose(const PoseEstimate& estimate, Stamp now);
   /// Publishes LOST when the last pose is old; `why` there is none.
   void keep_alive(Stamp now, PoseReason why);
-  void publish_alert(const Alert& alert, const Rig& rig, bool several_families, Stamp now);
+  /// `map`: the one that it was found with.
+  void publish_alert(const Alert& alert, const Rig& rig, const MapIdentity& map, Stamp now);
   /// An alert of the service itself: RELOAD, RECORDING, TIME …
   void publish_alert(const std::string& kind, const std::string& subject, const std::string& text,
                      bool raised, Stamp now);
@@ -41,9 +42,9 @@ class Telemetry {
   void publish_status(status_t& status, Stamp now);
 
   /// Another map from now on.
-  void set_map(const std::string& map_hash, bool world_z_is_up);
-  /// Follows the machine's clocks; true when the wall clock has stepped since the last call.
-  bool follow_clocks(const ClockReading& now);
+  void set_map(const MapIdentity& map);
+  /// Follows the machine's clocks; what has happened to them since the last call.
+  ClockEvent follow_clocks(const ClockReading& now);
 
   [[nodiscard]] SessionFacts session() const;
   /// What utime adds to a stamp.

@@ -3,6 +3,8 @@
 #include <algorithm>
 
 #include "core/base/toml_fields.h"
+#include "locd/frames/frame_synchronizer.h"
+#include "locd/pose/localizer.h"
 #include "locd/publish/lcm_url.h"
 
 namespace waymark {
@@ -143,25 +145,35 @@ class ConfigReader {
     return std::nullopt;
   }
 
+  static double number(TomlFields& fields, std::string_view key, const Range& range,
+                       double fallback) {
+    return fields.number(key, range.low, range.high, fallback);
+  }
+
   void read_sync(const toml::table* table) {
     in_block(table, [&](TomlFields& f) {
       Config::Sync& sync = config_.sync;
       sync.triggered = f.choice("mode", {"triggered", "free"}, 0) == 0;
-      sync.tolerance_us = f.number("tolerance_us", 1, 1e6, sync.tolerance_us);
-      sync.deadline_ms = f.number("deadline_ms", 1, 10'000, sync.deadline_ms);
-      sync.min_cameras = f.integer("min_cameras", 1, 16, sync.min_cameras);
+      sync.tolerance_us = number(f, "tolerance_us", SyncOptions::kTolerance_us, sync.tolerance_us);
+      sync.deadline_ms = number(f, "deadline_ms", SyncOptions::kDeadline_ms, sync.deadline_ms);
+      constexpr Range kMinCameras = SyncOptions::kMinCameras;
+      sync.min_cameras = f.integer("min_cameras", static_cast<int>(kMinCameras.low),
+                                   static_cast<int>(kMinCameras.high), sync.min_cameras);
     });
   }
 
   void read_solve(const toml::table* table) {
     in_block(table, [&](TomlFields& f) {
       Config::Solve& solve = config_.solve;
-      solve.time_budget_ms = f.number("time_budget_ms", 1, 60'000, solve.time_budget_ms);
-      solve.ok_sigma_m = f.number("ok_sigma_m", 1e-4, 10, solve.ok_sigma_m);
-      solve.ok_sigma_deg = f.number("ok_sigma_deg", 1e-3, 90, solve.ok_sigma_deg);
-      solve.v_max_mps = f.number("v_max_mps", 0.01, 100, solve.v_max_mps);
-      solve.w_max_dps = f.number("w_max_dps", 0.1, 10'000, solve.w_max_dps);
-      solve.prior_max_age_s = f.number("prior_max_age_s", 0, 60, solve.prior_max_age_s);
+      solve.time_budget_ms =
+          number(f, "time_budget_ms", Config::Solve::kTimeBudget_ms, solve.time_budget_ms);
+      solve.ok_sigma_m = number(f, "ok_sigma_m", GateOptions::kMax3Sigma_m, solve.ok_sigma_m);
+      solve.ok_sigma_deg =
+          number(f, "ok_sigma_deg", GateOptions::kMax3Sigma_deg, solve.ok_sigma_deg);
+      solve.v_max_mps = number(f, "v_max_mps", GateOptions::kVMax_mps, solve.v_max_mps);
+      solve.w_max_dps = number(f, "w_max_dps", GateOptions::kWMax_degps, solve.w_max_dps);
+      solve.prior_max_age_s =
+          number(f, "prior_max_age_s", LocalizerOptions::kPriorMaxAge_s, solve.prior_max_age_s);
     });
   }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/range.h"
 #include "core/geometry/rigid3.h"
 #include "locd/publish/lcm_options.h"
 
@@ -58,6 +59,8 @@ struct Config {
     double v_max_mps = 3;          ///< m/s, faster is a JUMP
     double w_max_dps = 120;        ///< deg/s
     double prior_max_age_s = 0.5;  ///< s, an older pose predicts nothing
+
+    static constexpr Range kTimeBudget_ms{1, 60'000};
     bool operator==(const Solve&) const = default;
   } solve;
 

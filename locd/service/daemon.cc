@@ -7,7 +7,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <future>
+#include <span>
 #include <thread>
+#include <utility>
 
 #include "core/base/notes.h"
 #include "core/map/quarantine.h"
@@ -21,6 +23,7 @@
 #include "locd/service/control_socket.h"
 #include "locd/service/localization_thread.h"
 #include "locd/service/recording_control.h"
+#include "locd/service/reload_thread.h"
 #include "locd/service/service_log.h"
 #include "locd/service/service_notifier.h"
 
@@ -34,23 +37,23 @@ constexpr Stamp kStuck = std::chrono::seconds(3);
 /// A camera's first start takes less, or is held up: what is wrong with it is then not known yet.
 constexpr Stamp kFirstStart = std::chrono::seconds(2);
 
-MapInUse map_in_use(const Setup& setup, QuarantineFile& quarantine) {
+/// `quarantined`: what is known of the setup's map already.
+MapInUse map_in_use(const Setup& setup, std::span<const QuarantinedMarker> quarantined) {
   MapInUse map;
   map.time_budget =
       std::chrono::microseconds(std::llround(setup.config.solve.time_budget_ms * 1e3));
   if (!setup.map) return map;
-  map.map_hash = setup.map_hash;
-  map.world_z_is_up = setup.map->submaps.front().z_is_up;
-  map.several_families = setup.map->several_families();
+  map.identity = std::make_shared<const MapIdentity>(MapIdentity{
+      setup.map_hash, setup.map->submaps.front().z_is_up, setup.map->several_families()});
   map.localizer =
       std::make_unique<Localizer>(setup.rig, *setup.map, localizer_options(setup.config));
-  map.localizer->restore_quarantine(quarantine.of_map(map.map_hash));
+  map.localizer->restore_quarantine(quarantined);
   return map;
 }
 
 SessionFacts session_of(const Setup& setup, const MapInUse& map) {
-  return {new_session_id(), map.map_hash, setup.config.rig.base_from_rig, map.world_z_is_up,
-          setup.rig.cameras.size()};
+  return {new_session_id(), map.identity->map_hash, setup.config.rig.base_from_rig,
+          map.identity->world_z_is_up, setup.rig.cameras.size()};
 }
 
 std::size_t marker_count(const Setup& setup) {
@@ -74,16 +77,17 @@ DaemonOptions options_from_environment() {
 }
 
 struct Daemon::Parts {
-  Parts(DaemonOptions chosen, Setup read, std::unique_ptr<QuarantineFile> file, MapInUse map,
+  Parts(DaemonOptions chosen, Setup read, std::unique_ptr<QuarantineFile> file, MapInUse map_in_use,
         std::vector<std::unique_ptr<FrameSource>> sources)
       : options(std::move(chosen)),
         setup(std::move(read)),
-        several_families(map.several_families),
+        map(map_in_use.identity),
         quarantine_file(std::move(file)),
-        quarantine{map.map_hash, quarantine_file->of_map(map.map_hash)},
-        telemetry(setup.config.lcm, session_of(setup, map), options.read_clocks(), setup.key),
+        quarantine{map->map_hash, quarantine_file->of_map(map->map_hash)},
+        telemetry(setup.config.lcm, session_of(setup, map_in_use), options.read_clocks(),
+                  setup.key),
         capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
-        localization(capture, telemetry, std::move(map),
+        localization(capture, telemetry, std::move(map_in_use),
                      [this](const FrameSetLease& set, Stamp utime_offset) {
                        recorder.offer(set, utime_offset);
                      }),
@@ -91,7 +95,8 @@ struct Daemon::Parts {
 
   DaemonOptions options;
   Setup setup;
-  bool several_families;
+  /// The one that the setup names; the localization adopts it a little later.
+  std::shared_ptr<const MapIdentity> map;
   std::unique_ptr<QuarantineFile> quarantine_file;
   Quarantine quarantine;  ///< as it stands in the state folder, or soon will
   Telemetry telemetry;
@@ -108,6 +113,7 @@ struct Daemon::Parts {
   std::optional<ControlSocket> control;
   ServiceNotifier notifier;
   ServiceLog log;
+  std::vector<Alert> standing;  ///< alerts of the localization that were raised and are not over
   status_t status{};
   std::vector<RigCapture::CameraState> cameras;
   std::string reload_refused;
@@ -122,19 +128,27 @@ struct Daemon::Parts {
   [[nodiscard]] PoseReason why_without_pose(Stamp now) const;
   [[nodiscard]] bool has_waited_enough(Stamp now) const;
   void look_at_cameras(Stamp now);
-  void pass_on(const std::vector<Alert>& alerts, Stamp now);
+  void publish_and_log(const Alert& alert, const MapIdentity& found_with, Stamp now);
+  void pass_on(const LocalizationNews& news, Stamp now);
+  void end_alerts_of_replaced(const MapIdentity& replaced, Stamp now);
   void publish_status(Stamp now);
   void look_at_link(Stamp now);
   void feed_watchdog(Stamp now);
-  void keep_quarantine(Stamp now);
+  void look_at_quarantine_file(Stamp now);
+  void keep_quarantine(std::vector<QuarantinedMarker> markers, Stamp now);
   void look_at_recorder(Stamp now);
-  Status swap(Setup next);
+  [[nodiscard]] Status check_reload(const Setup& next) const;
+  [[nodiscard]] Expected<Replacement> prepare_reload() const;
+  void swap(Replacement next);
+  void finish_reload(Expected<Replacement> next, Stamp now);
+
+  ReloadThread reloads{[this] { return prepare_reload(); }};  ///< ends first, for it uses the rest
 };
 
 Daemon::Daemon(DaemonOptions options, Setup setup,
                std::vector<std::unique_ptr<FrameSource>> sources) {
   auto quarantine = std::make_unique<QuarantineFile>(options.state_folder / "quarantine.json");
-  MapInUse map = map_in_use(setup, *quarantine);
+  MapInUse map = map_in_use(setup, quarantine->of_map(setup.map_hash));
   parts_ = std::make_unique<Parts>(std::move(options), std::move(setup), std::move(quarantine),
                                    std::move(map), std::move(sources));
 }
@@ -183,15 +197,19 @@ Status Daemon::start() {
 
 void Daemon::turn(Stamp now) {
   Parts& p = *parts_;
-  if (p.telemetry.follow_clocks(p.options.read_clocks())) {
+  const ClockEvent event = p.telemetry.follow_clocks(p.options.read_clocks());
+  // Where the vehicle was before says nothing of where it is.
+  if (event == ClockEvent::slept) p.localization.forget_motion();
+  if (event != ClockEvent::none) {
     const std::string text = "the machine's clock was set or it slept; utime follows slowly";
     p.telemetry.publish_alert("TIME", "", text, true, now);
     p.log.event("TIME", text, now);
   }
   p.telemetry.keep_alive(now, p.why_without_pose(now));
   p.look_at_cameras(now);
-  p.pass_on(p.localization.take_alerts(), now);
-  p.keep_quarantine(now);
+  for (const LocalizationNews& news : p.localization.take_news()) p.pass_on(news, now);
+  p.look_at_quarantine_file(now);
+  if (auto next = p.reloads.take()) p.finish_reload(std::move(*next), now);
   p.look_at_recorder(now);
   p.control->serve(
       [&p, now](std::string_view request) { return p.recordings.handle(request, now); }, now);
@@ -211,8 +229,9 @@ void Daemon::Parts::look_at_cameras(Stamp now) {
   for (std::size_t c = 0; c < setup.rig.cameras.size(); ++c) cameras.push_back(capture.state(c));
   report.judge(cameras, now);
   const Stamp grace = std::chrono::seconds(2);
-  pass_on(report.camera_alerts(cameras, now, grace), now);
-  for (const std::string& line : report.camera_news(cameras)) log.event(line, line, now);
+  for (const Alert& alert : report.camera_alerts(cameras, now, grace))
+    publish_and_log(alert, *map, now);
+  for (const auto& news : report.camera_news(cameras)) log.event(news.key, news.text, now);
   if (!ready && !refusal) refusal = report.misconfiguration(cameras);
   const bool all_run = report.all_run();
   if (!ready && !refusal && (all_run || has_waited_enough(now))) {
@@ -229,12 +248,41 @@ bool Daemon::Parts::has_waited_enough(Stamp now) const {
          (all_tried || now - started >= kFirstStart);
 }
 
-void Daemon::Parts::pass_on(const std::vector<Alert>& alerts, Stamp now) {
-  for (const Alert& alert : alerts) {
-    telemetry.publish_alert(alert, setup.rig, several_families, now);
-    const std::string text = describe(alert, setup.rig, several_families);
-    log.event(text, text, now);
+void Daemon::Parts::publish_and_log(const Alert& alert, const MapIdentity& found_with, Stamp now) {
+  telemetry.publish_alert(alert, setup.rig, found_with, now);
+  const bool several_families = found_with.several_families;
+  log.event(log_key(alert, setup.rig, several_families),
+            alert_text(alert, setup.rig, several_families), now);
+}
+
+void Daemon::Parts::pass_on(const LocalizationNews& news, Stamp now) {
+  for (const Alert& alert : news.alerts) {
+    publish_and_log(alert, *news.map, now);
+    std::erase_if(standing, [&](const Alert& other) { return same_subject(alert, other); });
+    if (alert.raised) standing.push_back(alert);
   }
+  // A quarantine belongs to the map that it was found with.
+  if (news.quarantine_changed && news.map->map_hash == quarantine.map_hash) {
+    keep_quarantine(news.quarantine, now);
+  }
+  if (news.replaced) end_alerts_of_replaced(*news.map, now);
+}
+
+/// Ends the alerts that the replaced localization raised, for the next one does not know of them.
+/// Of the same map read again, the quarantine stays, and with it the alerts of its markers.
+void Daemon::Parts::end_alerts_of_replaced(const MapIdentity& replaced, Stamp now) {
+  std::vector<Alert> kept;
+  for (Alert& alert : std::exchange(standing, {})) {
+    if (alert.marker && replaced.map_hash == map->map_hash) {
+      kept.push_back(alert);
+      continue;
+    }
+    alert.raised = false;
+    alert.map_loaded = true;
+    alert.stamp = now;
+    publish_and_log(alert, replaced, now);
+  }
+  standing = std::move(kept);
 }
 
 void Daemon::Parts::publish_status(Stamp now) {
@@ -257,7 +305,7 @@ void Daemon::Parts::publish_status(Stamp now) {
   }
   telemetry.publish_status(status, now);
   look_at_link(now);
-  // Whoever asks systemd can't hear that nothing is heard.
+  // Whoever reads systemd's status may not get the messages that would say so.
   if (ready) notifier.status(status.text + (link.down() ? ", LCM takes no messages" : ""));
 }
 
@@ -273,20 +321,21 @@ void Daemon::Parts::look_at_link(Stamp now) {
   log.event(news->raised ? "LINK" : "LINK is over", text, now);
 }
 
-void Daemon::Parts::keep_quarantine(Stamp now) {
+void Daemon::Parts::look_at_quarantine_file(Stamp now) {
   for (const QuarantineFile::News& news : quarantine_file->take_news()) {
     telemetry.publish_alert("QUARANTINE", "", news.text, news.wrong, now);
     log.event(news.text, news.text, now);
   }
-  auto markers = localization.take_quarantine();
-  if (!markers) return;
-  for (QuarantinedMarker& marker : *markers) {
+}
+
+void Daemon::Parts::keep_quarantine(std::vector<QuarantinedMarker> markers, Stamp now) {
+  for (QuarantinedMarker& marker : markers) {
     const auto known = std::find_if(quarantine.markers.begin(), quarantine.markers.end(),
                                     [&](const auto& k) { return k.marker == marker.marker; });
     if (known != quarantine.markers.end()) marker.since_utime = known->since_utime;
     if (marker.since_utime == 0) marker.since_utime = telemetry.utime_us(now);
   }
-  quarantine = {telemetry.session().map_hash, std::move(*markers)};
+  quarantine.markers = std::move(markers);
   quarantine_file->write(quarantine);
 }
 
@@ -313,20 +362,12 @@ void Daemon::Parts::feed_watchdog(Stamp now) {
 
 void Daemon::reload() {
   Parts& p = *parts_;
-  const Stamp now = monotonic_now();
   // Before ready only the start itself ends in READY=1, which would have to end a reload as well.
-  if (p.ready) p.notifier.reloading(now);
-  auto next = load_setup(p.options.config);
-  const Status swapped = next ? p.swap(std::move(*next)) : tl::make_unexpected(next.error());
-  p.reload_refused = swapped ? "" : swapped.error().message;
-  const std::string text = swapped ? "reloaded: " + p.options.config.string()
-                                   : "reload refused, all stays as it was: " + p.reload_refused;
-  p.telemetry.publish_alert("RELOAD", p.options.config.string(), text, !swapped, now);
-  p.log.note(text);
-  p.ready ? p.notifier.ready(text) : p.notifier.status(text);
+  if (p.ready) p.notifier.reloading(monotonic_now());
+  p.reloads.request();
 }
 
-Status Daemon::Parts::swap(Setup next) {
+Status Daemon::Parts::check_reload(const Setup& next) const {
   if (const auto key = key_that_needs_restart(setup.config, next.config)) {
     return fail(ErrorKind::config, "{}: {} has changed, which needs a restart",
                 options.config.string(), *key);
@@ -339,13 +380,37 @@ Status Daemon::Parts::swap(Setup next) {
     return fail(ErrorKind::config, "{}: the key has changed, which needs a restart",
                 next.config.lcm.key_file.string());
   }
-  MapInUse map = map_in_use(next, *quarantine_file);
-  several_families = map.several_families;
-  quarantine = {map.map_hash, quarantine_file->of_map(map.map_hash)};
-  setup = std::move(next);
-  localization.swap_map(std::move(map));
-  recorder.set_budget(recording_budget(setup.config.record));
   return {};
+}
+
+/// In the reload's thread. The setup is changed by swap alone, which takes what this gives.
+Expected<Replacement> Daemon::Parts::prepare_reload() const {
+  auto next = options.load_setup(options.config);
+  if (!next) return tl::make_unexpected(next.error());
+  if (auto fits = check_reload(*next); !fits) return tl::make_unexpected(fits.error());
+  auto quarantined = quarantine_file->of_map(next->map_hash);
+  MapInUse map = map_in_use(*next, quarantined);
+  return Replacement{std::move(*next), std::move(map), std::move(quarantined)};
+}
+
+void Daemon::Parts::finish_reload(Expected<Replacement> next, Stamp now) {
+  reload_refused = next ? "" : next.error().message;
+  const std::string text = next ? "reloaded: " + options.config.string()
+                                : "reload refused, all stays as it was: " + reload_refused;
+  const bool refused = !next;
+  if (next) swap(std::move(*next));
+  telemetry.publish_alert("RELOAD", options.config.string(), text, refused, now);
+  log.note(text);
+  ready ? notifier.ready(text) : notifier.status(text);
+}
+
+void Daemon::Parts::swap(Replacement next) {
+  map = next.map.identity;
+  quarantine = {map->map_hash, std::move(next.quarantine)};
+  setup = std::move(next.setup);
+  for (const std::string& note : shown_notes(setup.notes)) log.note(note);
+  localization.swap_map(std::move(next.map));
+  recorder.set_budget(recording_budget(setup.config.record));
 }
 
 Status Daemon::stop(Stamp patience) {
@@ -381,6 +446,9 @@ Status Daemon::stop(Stamp patience) {
   }
   if (!p.quarantine_file->settle(deadline)) {
     return fail(ErrorKind::unavailable, "the disk does not take quarantine.json; ending without");
+  }
+  if (!p.reloads.settle(deadline)) {
+    return fail(ErrorKind::unavailable, "a reload does not get its files; ending without");
   }
   return {};
 }

@@ -24,6 +24,9 @@ struct DaemonOptions {
   std::filesystem::path state_folder;
   /// The machine's clocks, asked by the service thread only; a test's are under its hand.
   std::function<ClockReading()> read_clocks = waymark::read_clocks;
+  /// How a reload reads what the configuration names, in a thread of its own; a test's may take
+  /// long.
+  std::function<Expected<Setup>(const std::filesystem::path&)> load_setup = waymark::load_setup;
 };
 
 /// The options' folders from the environment.
@@ -44,12 +47,12 @@ class Daemon {
   [[nodiscard]] Status start();
   /// What is due at `now` besides poses; call it every 100 ms or sooner.
   void turn(Stamp now);
-  /// Reads the configuration again and swaps map, tunables and recording budget, or refuses it
-  /// whole.
+  /// Has the configuration read again, in a thread of its own. A later turn swaps map, tunables and
+  /// recording budget, or says why it is refused whole. Of several requests the newest wins.
   void reload();
   /// Ends the threads, with all that was recorded on the disk. unavailable, naming what does not
-  /// return (a camera's driver, the disk), when that takes longer than `patience`: until a later
-  /// call succeeds the object must not be destroyed, but the process may end without.
+  /// return (a camera's driver, the disk, a reload), when that takes longer than `patience`: until
+  /// a later call succeeds the object must not be destroyed, but the process may end without.
   [[nodiscard]] Status stop(Stamp patience);
 
   /// Video devices have come: cameras that are absent are tried at once.

@@ -8,6 +8,7 @@
 
 #include <cstdlib>
 #include <iostream>
+#include <utility>
 
 #include "core/base/notes.h"
 #include "drivers/device_monitor.h"
@@ -82,7 +83,7 @@ int report_failure(const Error& error) {
 }
 
 /// Tells the daemon of devices that have come. A monitor that fails is closed, and that is said.
-void hear(std::optional<DeviceMonitor>& monitor, Daemon& daemon) {
+void take_device_events(std::optional<DeviceMonitor>& monitor, Daemon& daemon) {
   const auto came = monitor->device_came();
   if (came && *came) daemon.devices_came();
   if (came) return;
@@ -90,10 +91,26 @@ void hear(std::optional<DeviceMonitor>& monitor, Daemon& daemon) {
   monitor.reset();
 }
 
+/// What the signals that have come ask for: all of them are taken, and many are as one.
+struct SignalRequests {
+  bool end = false;
+  bool reload = false;
+};
+SignalRequests take_signals(int descriptor) {
+  SignalRequests requests;
+  signalfd_siginfo signal{};
+  while (::read(descriptor, &signal, sizeof signal) == sizeof signal) {
+    (signal.ssi_signo == SIGHUP ? requests.reload : requests.end) = true;
+  }
+  return requests;
+}
+
 /// Turns until a signal, or a camera that can't be meant, ends it; at once when somebody comes with
-/// a request.
+/// a request. A turn has at most one reload, however many signals come.
 Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor) {
+  bool reload = false;
   for (Stamp due = monotonic_now();; due += kTurn) {
+    if (std::exchange(reload, false)) daemon.reload();
     daemon.turn(monotonic_now());
     if (daemon.refusal()) return tl::make_unexpected(*daemon.refusal());
     for (Stamp left = due + kTurn - monotonic_now(); left > Stamp{0};
@@ -104,12 +121,10 @@ Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor)
       const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
       if (::poll(watched, 3, static_cast<int>(left_ms)) <= 0) continue;
       if (watched[1].revents != 0) due = monotonic_now() - kTurn;
-      if (watched[2].revents != 0) hear(monitor, daemon);
-      signalfd_siginfo signal{};
-      while (::read(signals, &signal, sizeof signal) == sizeof signal) {
-        if (signal.ssi_signo != SIGHUP) return {};
-        daemon.reload();
-      }
+      if (watched[2].revents != 0) take_device_events(monitor, daemon);
+      const SignalRequests asked = take_signals(signals);
+      if (asked.end) return {};
+      reload = reload || asked.reload;
     }
   }
 }

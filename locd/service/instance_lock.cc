@@ -1,7 +1,6 @@
 #include "locd/service/instance_lock.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
@@ -24,6 +23,14 @@ std::string pid_in(int descriptor) {
   return pid.empty() ? "unknown" : pid;
 }
 
+/// Of the whole file, held by the open file: it ends when the last descriptor of it does.
+struct flock write_lock() {
+  struct flock lock {};
+  lock.l_type = F_WRLCK;
+  lock.l_whence = SEEK_SET;
+  return lock;
+}
+
 }  // namespace
 
 Expected<InstanceLock> InstanceLock::take(const std::filesystem::path& file) {
@@ -37,7 +44,8 @@ Expected<InstanceLock> InstanceLock::take(const std::filesystem::path& file) {
         "RUNTIME_DIRECTORY and a STATE_DIRECTORY of its own",
         file.string(), system_reason());
   }
-  if (::flock(opened.get(), LOCK_EX | LOCK_NB) != 0) {
+  struct flock whole = write_lock();
+  if (::fcntl(opened.get(), F_OFD_SETLK, &whole) != 0) {
     return fail(ErrorKind::unavailable,
                 "{}: another locd is running, with pid {}; stop it before starting another",
                 file.string(), pid_in(opened.get()));
@@ -52,8 +60,10 @@ Expected<InstanceLock> InstanceLock::take(const std::filesystem::path& file) {
 
 std::optional<int> InstanceLock::holder(const std::filesystem::path& file) {
   const Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-  // Whoever gets the lock, which ends with the descriptor, knows that nobody holds it.
-  if (!opened.valid() || ::flock(opened.get(), LOCK_SH | LOCK_NB) == 0) return std::nullopt;
+  // Asked without locking: a lock of ours, however short, would refuse a locd that just starts.
+  struct flock held = write_lock();
+  if (!opened.valid() || ::fcntl(opened.get(), F_OFD_GETLK, &held) != 0) return std::nullopt;
+  if (held.l_type == F_UNLCK) return std::nullopt;
   return parse_whole<int>(pid_in(opened.get()));
 }
 

@@ -1,5 +1,8 @@
 #include "locd/service/localization_thread.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
 
@@ -16,9 +19,7 @@ LocalizationThread::LocalizationThread(RigCapture& capture, Telemetry& telemetry
     : capture_(capture),
       telemetry_(telemetry),
       after_set_(std::move(after_set)),
-      map_(std::move(map)) {
-  alerts_.reserve(kMaxAlerts);
-}
+      in_use_(with_memory(std::move(map))) {}
 
 LocalizationThread::~LocalizationThread() { stop(); }
 
@@ -44,25 +45,26 @@ void LocalizationThread::run() {
     utime_offset_.reset();
     if (set) begin_work();
     const bool localized = set && pacer_.admit(set->mean_stamp()) && localize(*set);
-    leave_word(set.has_value(), localized);
+    finish_turn(set.has_value(), localized);
     if (set) after_set_(*set, utime_offset_ ? *utime_offset_ : telemetry_.utime_offset());
   }
 }
 
 bool LocalizationThread::localize(const FrameSetLease& set) {
+  const MapInUse& map = in_use_.map;
   const Stamp begun = monotonic_now();
-  if (begun - set.mean_stamp() > map_.time_budget) {
-    lose(set, PoseReason::overload);
+  if (begun - set.mean_stamp() > map.time_budget) {
+    estimate_.reset(PoseReason::overload, set);
     utime_offset_ = telemetry_.publish_pose(estimate_, begun);
     const std::lock_guard lock(mutex_);
     ++counts_.late;
     return false;
   }
-  if (map_.localizer != nullptr) {
-    if (forget_motion_.exchange(false)) map_.localizer->forget_motion();
-    map_.localizer->localize(set, estimate_);
+  if (map.localizer != nullptr) {
+    if (forget_motion_.exchange(false)) map.localizer->forget_motion();
+    map.localizer->localize(set, estimate_);
   } else {
-    lose(set, PoseReason::no_map);
+    estimate_.reset(PoseReason::no_map, set);
   }
   const Stamp done = monotonic_now();
   utime_offset_ = telemetry_.publish_pose(estimate_, done);
@@ -70,20 +72,29 @@ bool LocalizationThread::localize(const FrameSetLease& set) {
   return true;
 }
 
-void LocalizationThread::lose(const FrameSetLease& set, PoseReason why) {
-  estimate_.lose(why);
-  estimate_.stamp = set.mean_stamp();
-  estimate_.cameras_in_set = set.cameras;
-  estimate_.max_skew = set.max_skew();
+LocalizationThread::InUse LocalizationThread::with_memory(MapInUse map) {
+  InUse use;
+  use.news.map = map.identity;
+  use.news.alerts.reserve(kMaxAlerts);
+  if (map.localizer != nullptr) {
+    most_quarantined_ = std::max(most_quarantined_, map.localizer->most_quarantined());
+  }
+  use.news.quarantine.reserve(most_quarantined_);
+  use.listed.reserve(most_quarantined_);
+  use.map = std::move(map);
+  return use;
 }
 
+/// The next map, unless the one that the last replaced still waits to be fetched.
 void LocalizationThread::adopt_next_map() {
-  const std::lock_guard lock(mutex_);
-  if (!next_map_) return;
-  replaced_map_ = std::move(map_);
-  map_ = std::move(*next_map_);
-  next_map_.reset();
-  telemetry_.set_map(map_.map_hash, map_.world_z_is_up);
+  {
+    const std::lock_guard lock(mutex_);
+    if (!next_ || replaced_) return;
+    replaced_.swap(next_);
+    std::swap(*replaced_, in_use_);
+    replaced_->news.replaced = true;
+  }
+  telemetry_.set_map(*in_use_.map.identity);
 }
 
 void LocalizationThread::begin_work() {
@@ -92,46 +103,58 @@ void LocalizationThread::begin_work() {
   counts_.at_work = true;
 }
 
-void LocalizationThread::leave_word(bool took_set, bool localized) {
+void LocalizationThread::finish_turn(bool took_set, bool localized) {
+  Localizer* const localizer = localized ? in_use_.map.localizer.get() : nullptr;
+  const bool quarantine_changed = localizer != nullptr && localizer->quarantine_changed();
+  if (quarantine_changed) localizer->list_quarantine(in_use_.listed);
   const std::lock_guard lock(mutex_);
   counts_.last_turn = monotonic_now();
   counts_.at_work = false;
   if (took_set && !localized) counts_.passed_over = counts_.last_turn;
   counts_.divisor = pacer_.divisor();
   counts_.skipped = pacer_.skipped();
-  if (!localized || map_.localizer == nullptr) return;
-  counts_.unhealthy = map_.localizer->unhealthy_cameras();
-  for (const Alert& alert : map_.localizer->alerts()) {
-    if (alerts_.size() < kMaxAlerts) {
-      alerts_.push_back(alert);
+  if (localizer == nullptr) return;
+  counts_.unhealthy = localizer->unhealthy_cameras();
+  LocalizationNews& news = in_use_.news;
+  for (const Alert& alert : localizer->alerts()) {
+    if (news.alerts.size() < kMaxAlerts) {
+      news.alerts.push_back(alert);
     } else {
       ++counts_.alerts_lost;
     }
   }
-  if (map_.localizer->quarantine_changed()) quarantine_ = map_.localizer->quarantine();
+  if (!quarantine_changed) return;
+  news.quarantine.swap(in_use_.listed);
+  news.quarantine_changed = true;
 }
 
 void LocalizationThread::swap_map(MapInUse next) {
-  std::optional<MapInUse> replaced;
+  std::optional<InUse> prepared = with_memory(std::move(next));
   const std::lock_guard lock(mutex_);
-  replaced.swap(replaced_map_);
-  next_map_ = std::move(next);
+  next_.swap(prepared);
 }
 
-std::vector<Alert> LocalizationThread::take_alerts() {
-  std::optional<MapInUse> replaced;
-  std::vector<Alert> taken;
-  taken.reserve(kMaxAlerts);
-  const std::lock_guard lock(mutex_);
-  replaced.swap(replaced_map_);
-  taken.swap(alerts_);
-  return taken;
-}
-
-std::optional<std::vector<QuarantinedMarker>> LocalizationThread::take_quarantine() {
-  std::optional<std::vector<QuarantinedMarker>> taken;
-  const std::lock_guard lock(mutex_);
-  taken.swap(quarantine_);
+std::vector<LocalizationNews> LocalizationThread::take_news() {
+  std::vector<LocalizationNews> taken;
+  taken.reserve(2);
+  LocalizationNews fresh;
+  fresh.alerts.reserve(kMaxAlerts);
+  spare_.reserve(most_quarantined_);
+  std::optional<InUse> replaced;
+  {
+    const std::lock_guard lock(mutex_);
+    replaced.swap(replaced_);
+    LocalizationNews& news = in_use_.news;
+    fresh.map = news.map;
+    fresh.alerts.swap(news.alerts);
+    if (news.quarantine_changed) {
+      fresh.quarantine.swap(news.quarantine);
+      news.quarantine.swap(spare_);
+      fresh.quarantine_changed = std::exchange(news.quarantine_changed, false);
+    }
+  }
+  if (replaced) taken.push_back(std::move(replaced->news));
+  taken.push_back(std::move(fresh));
   return taken;
 }
 

@@ -17,13 +17,20 @@
 
 namespace waymark {
 
-/// A localizer with the name of its map, swapped as one between two sets.
+/// A localizer with what is to be said of its map, swapped as one between two sets.
 struct MapInUse {
-  std::string map_hash;
-  bool world_z_is_up = false;
-  bool several_families = false;
+  std::shared_ptr<const MapIdentity> identity = std::make_shared<const MapIdentity>();
   std::unique_ptr<Localizer> localizer;  ///< null: recording only
   Stamp time_budget{0};                  ///< a set older than this is dropped
+};
+
+/// What localization has to tell besides poses, all of it found with one map.
+struct LocalizationNews {
+  std::shared_ptr<const MapIdentity> map;
+  std::vector<Alert> alerts;
+  bool quarantine_changed = false;
+  std::vector<QuarantinedMarker> quarantine;  ///< where it has changed
+  bool replaced = false;  ///< another map is in use: these are the last news of this one
 };
 
 /// The thread that turns frame sets into published poses. It waits for nothing but frames: what it
@@ -44,15 +51,13 @@ class LocalizationThread {
   void stop();
 
   /// `next` takes over with the next set. What it replaces is destroyed in a later call of
-  /// swap_map or alerts, on the caller's thread.
+  /// take_news, on the caller's thread. One thread calls both.
   void swap_map(MapInUse next);
 
-  /// Alerts since the last call. More than kMaxAlerts between two calls are counted as lost.
-  [[nodiscard]] std::vector<Alert> take_alerts();
+  /// What has come since the last call, of the map that was replaced first. More than kMaxAlerts
+  /// alerts between two calls are counted as lost.
+  [[nodiscard]] std::vector<LocalizationNews> take_news();
   static constexpr std::size_t kMaxAlerts = 128;
-
-  /// Markers in quarantine, when that has changed since the last call.
-  [[nodiscard]] std::optional<std::vector<QuarantinedMarker>> take_quarantine();
 
   /// Prior and velocity are discarded before the next set.
   void forget_motion() { forget_motion_ = true; }
@@ -63,25 +68,34 @@ class LocalizationThread {
   void run();
   /// False when the set came too late.
   bool localize(const FrameSetLease& set);
-  void lose(const FrameSetLease& set, PoseReason why);
   void adopt_next_map();
   void begin_work();
-  void leave_word(bool took_set, bool localized);
+  void finish_turn(bool took_set, bool localized);
+
+  /// The map in use, its news, and the memory that a quarantine is listed in, all that it takes.
+  struct InUse {
+    MapInUse map;
+    LocalizationNews news;
+    std::vector<QuarantinedMarker> listed;
+  };
+  [[nodiscard]] InUse with_memory(MapInUse map);
 
   RigCapture& capture_;
   Telemetry& telemetry_;
   std::function<void(const FrameSetLease&, Stamp utime_offset)> after_set_;
-  MapInUse map_;
   PoseEstimate estimate_;
   std::optional<Stamp> utime_offset_;  ///< of the set's pose; nullopt: it has none
   SetPacer pacer_;
   std::atomic<bool> stopping_{false};
   std::atomic<bool> forget_motion_{false};
-  mutable PriorityMutex mutex_;  ///< of everything below; held for copies only
-  std::optional<MapInUse> next_map_;
-  std::optional<MapInUse> replaced_map_;
-  std::vector<Alert> alerts_;
-  std::optional<std::vector<QuarantinedMarker>> quarantine_;
+  /// Of the thread that calls take_news: memory that is swapped for what is taken, and how much of
+  /// it any map needs.
+  std::vector<QuarantinedMarker> spare_;
+  std::size_t most_quarantined_ = 0;
+  mutable PriorityMutex mutex_;  ///< of news and everything below; held for copies and swaps only
+  InUse in_use_;
+  std::optional<InUse> next_;
+  std::optional<InUse> replaced_;
   LocalizationCounts counts_;
   std::thread thread_;
 };

@@ -9,6 +9,11 @@ bool LogLimiter::admit(const std::string& what, Stamp now) {
     hour_began_ = now;
     first_in_hour_ = 0;
   }
+  if (!subjects_.contains(what)) {
+    std::erase_if(subjects_, [&](const auto& entry) {
+      return entry.second.counted == 0 && now - entry.second.last >= kForget;
+    });
+  }
   const auto [found, is_new] = subjects_.try_emplace(what);
   Subject& subject = found->second;
   const bool news = is_new || now - subject.last >= kForget;

@@ -10,7 +10,8 @@ namespace waymark {
 
 /// Keeps the log readable when something happens again and again: the first occurrence is a line of
 /// its own, all that follow are counted, and once a minute one line sums up what was counted, of
-/// all subjects together. Pure; times are of CLOCK_MONOTONIC.
+/// all subjects together. A subject is what happens and to whom, without figures: those differ each
+/// time. Pure; times are of CLOCK_MONOTONIC.
 class LogLimiter {
  public:
   static constexpr Stamp kSummaryPeriod = std::chrono::minutes(1);
@@ -21,6 +22,9 @@ class LogLimiter {
 
   /// `what` ("cam1 MISSING") happened: whether it deserves a line now.
   [[nodiscard]] bool admit(const std::string& what, Stamp now);
+
+  /// Subjects that are remembered.
+  [[nodiscard]] std::size_t subjects() const { return subjects_.size(); }
 
   /// The minute's summary, when it is due and there is something to say.
   [[nodiscard]] std::optional<std::string> summary(Stamp now);

@@ -1,7 +1,9 @@
 #include "locd/service/replay_command.h"
 
 #include <fmt/ostream.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
 #include <string>
@@ -41,6 +43,9 @@ class ReplayOutput {
 
   void take(const PoseEstimate& estimate, std::span<const Alert> alerts) {
     ++by_status_.at(static_cast<std::size_t>(estimate.status));
+    for (std::size_t r = 0; r < kPoseReasons; ++r) {
+      by_reason_[r] += (estimate.reasons >> r) & 1U;
+    }
     if (options_.table) append_pose_table_row(estimate, capture_.shift(), table_);
     if (options_.trajectory && estimate.has_pose() && estimate.status != PoseStatus::ambiguous &&
         (estimate.reasons & ~kHarmless) == 0) {
@@ -49,7 +54,7 @@ class ReplayOutput {
     }
     for (const Alert& alert : alerts) {
       fmt::print(notes_, "set {}: {}\n", estimate.sequence,
-                 describe(alert, capture_.folder().rig, several_families_));
+                 alert_text(alert, capture_.folder().rig, several_families_));
     }
   }
 
@@ -73,10 +78,31 @@ class ReplayOutput {
     }
     fmt::print(out, "{} frame sets: {} OK, {} DEGRADED, {} AMBIGUOUS, {} LOST\n", sets,
                by_status_[0], by_status_[1], by_status_[2], by_status_[3]);
+    if (const std::string reasons = reasons_by_count(); !reasons.empty()) {
+      fmt::print(out,
+                 "not OK because of {} (a set may have several; docs/operations.md tells them)\n",
+                 reasons);
+    }
     return {};
   }
 
  private:
+  /// "SIGMA 12, CAMERA_MISSING 3"; empty when every set was OK.
+  [[nodiscard]] std::string reasons_by_count() const {
+    std::vector<std::size_t> order;
+    for (std::size_t r = 0; r < kPoseReasons; ++r) {
+      if (by_reason_[r] > 0) order.push_back(r);
+    }
+    std::stable_sort(order.begin(), order.end(),
+                     [&](auto a, auto b) { return by_reason_[a] > by_reason_[b]; });
+    std::vector<std::string> parts;
+    for (const std::size_t r : order) {
+      parts.push_back(
+          fmt::format("{} {}", name_of(static_cast<PoseReason>(1U << r)), by_reason_[r]));
+    }
+    return fmt::format("{}", fmt::join(parts, ", "));
+  }
+
   const ReplayCommandOptions& options_;
   const ReplayCapture& capture_;
   bool several_families_;
@@ -84,6 +110,7 @@ class ReplayOutput {
   std::vector<TumPose> trajectory_;
   std::string table_;
   std::array<std::size_t, 4> by_status_{};
+  std::array<std::size_t, kPoseReasons> by_reason_{};
 };
 
 SyncOptions sync_options(const CaptureFolder& folder) {

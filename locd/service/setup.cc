@@ -10,6 +10,7 @@
 #include "core/map/map_file.h"
 #include "core/marker/image_families.h"
 #include "core/marker/marker_catalog.h"
+#include "locd/frames/realtime.h"
 #include "locd/pose/map_index.h"
 #include "locd/publish/lcm_url.h"
 
@@ -189,6 +190,12 @@ LocalizerOptions localizer_options(const Config& config) {
   options.gate.max_3sigma_rad = config.solve.ok_sigma_deg * kRadiansPerDegree;
   options.gate.v_max_mps = config.solve.v_max_mps;
   options.gate.w_max_radps = config.solve.w_max_dps * kRadiansPerDegree;
+  const bool realtime = config.service.realtime;
+  options.begin_worker = [realtime] {
+    name_thread("detection");
+    // The start of the program has found out whether it may.
+    if (realtime) static_cast<void>(make_realtime(kLocalizationPriority));
+  };
   return options;
 }
 

@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <set>
+
 namespace waymark {
 namespace {
 
-/// A wall with edges and a little noise that differs from image to image.
+/// A wall with edges and a little noise; no two numbers give the same image.
 GrayImage wall(int number) {
   GrayImage image(320, 240);
   for (int y = 0; y < 240; ++y) {
@@ -14,6 +17,7 @@ GrayImage wall(int number) {
       image.row(y)[x] = static_cast<std::uint8_t>(edge + (x * 7 + y * 13 + number * 31) % 5);
     }
   }
+  image.row(0)[0] = static_cast<std::uint8_t>(number);
   return image;
 }
 
@@ -67,6 +71,92 @@ TEST(ImageHealth, EndsWhenImagesAreFineAgain) {
   EXPECT_FALSE(outcome.alerts[1].raised);
   EXPECT_EQ(outcome.alerts[1].stamp, std::chrono::milliseconds(6));
   EXPECT_EQ(outcome.unhealthy, 0U);
+}
+
+struct Pattern {
+  const char* what;
+  std::function<int(int)> image;  ///< which image is the i-th
+  bool stale;
+};
+
+class StaleImages : public testing::TestWithParam<Pattern> {};
+
+TEST_P(StaleImages, AreToldFromNewOnes) {
+  ImageHealth health(1);
+  std::vector<Alert> alerts;
+  int used_again = 0;
+  std::set<int> given;
+  for (int i = 0; i < 60; ++i) {
+    const int which = GetParam().image(i);
+    health.look(0, wall(which).view(), std::chrono::milliseconds(i), alerts);
+    const bool excluded = (health.repeated() | health.unhealthy()) != 0;
+    if (!given.insert(which).second && GetParam().stale) used_again += excluded ? 0 : 1;
+  }
+  EXPECT_EQ(used_again, 0) << "an image that was given before";
+  ASSERT_EQ(alerts.size(), GetParam().stale ? 1U : 0U);
+  if (GetParam().stale) {
+    EXPECT_EQ(alerts[0].kind, AlertKind::image_stale);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ImageHealth, StaleImages,
+    testing::Values(Pattern{"two in turn", [](int i) { return i % 2; }, true},
+                    Pattern{"three in turn", [](int i) { return i % 3; }, true},
+                    Pattern{"two in turn, each twice", [](int i) { return i / 2 % 2; }, true},
+                    Pattern{"a ring of sixteen", [](int i) { return i % 16; }, true},
+                    Pattern{"new ones, then two old ones in turn",
+                            [](int i) { return i < 20 ? i : 18 + i % 2; }, true},
+                    Pattern{"one that comes twice", [](int i) { return i == 7 ? 6 : i; }, false},
+                    Pattern{"all new", [](int i) { return i; }, false}));
+
+TEST(ImageHealth, ImagesThatAreOldNowAndThenAreNoFaultButNotUsed) {
+  ImageHealth health(1);
+  std::vector<Alert> alerts;
+  for (int i = 0; i < 60; ++i) {
+    const bool old = i % 3 == 2;
+    health.look(0, wall(old ? i - 2 : i).view(), std::chrono::milliseconds(i), alerts);
+    EXPECT_EQ(health.repeated() != 0, old);
+  }
+  EXPECT_TRUE(alerts.empty());
+}
+
+TEST(ImageHealth, StaleIsOverWithNewImages) {
+  ImageHealth health(1);
+  std::vector<Alert> alerts;
+  for (int i = 0; i < 10; ++i)
+    health.look(0, wall(i % 2).view(), std::chrono::milliseconds(i), alerts);
+  ASSERT_EQ(alerts.size(), 1U);
+  for (int i = 10; i < 14; ++i)
+    health.look(0, wall(i).view(), std::chrono::milliseconds(i), alerts);
+  ASSERT_EQ(alerts.size(), 2U);
+  EXPECT_EQ(alerts[1].kind, AlertKind::image_stale);
+  EXPECT_FALSE(alerts[1].raised);
+  EXPECT_EQ(health.unhealthy(), 0U);
+}
+
+/// A marker whose corners tell the images apart.
+std::vector<Detection> seen(int number) {
+  Detection detection;
+  detection.marker = {Family::tag36h11, 5};
+  for (std::size_t k = 0; k < 4; ++k) detection.corners[k] = {10.0 * k, 20.0 + 1e-6 * number};
+  return {detection};
+}
+
+TEST(ImageHealth, OfDetectionsThatComeInPlaceOfImagesStaleOnesAreToldToo) {
+  ImageHealth health(2);
+  std::vector<Alert> alerts;
+  const auto look = [&](int i, const std::vector<Detection>& detections) {
+    health.look(1, detections, std::chrono::milliseconds(i), alerts);
+  };
+  for (int i = 0; i < 40; ++i) look(i, seen(i));
+  EXPECT_TRUE(alerts.empty());
+  for (int i = 0; i < 40; ++i) look(i, {});
+  EXPECT_TRUE(alerts.empty()) << "nothing in view is no fault";
+  for (int i = 0; i < 3; ++i) look(i, seen(38 + i % 2));
+  ASSERT_EQ(alerts.size(), 1U);
+  EXPECT_EQ(alerts[0].kind, AlertKind::image_stale);
+  EXPECT_EQ(alerts[0].camera, 1);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "locd/pose/localizer.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
@@ -12,6 +13,7 @@ namespace waymark {
 namespace {
 
 using test::RoomDrive;
+using testing::HasSubstr;
 
 test::RoomOptions usual(int frame_sets = 60) {
   test::RoomOptions options;
@@ -19,6 +21,12 @@ test::RoomOptions usual(int frame_sets = 60) {
   options.noise_px = 0.1;
   options.state_covariances = true;
   return options;
+}
+
+std::vector<QuarantinedMarker> quarantine_of(Localizer& localizer) {
+  std::vector<QuarantinedMarker> list;
+  localizer.list_quarantine(list);
+  return list;
 }
 
 TEST(Localizer, PosesAreWithinTheirCovariance) {
@@ -128,7 +136,7 @@ TEST(Localizer, AMovedMarkerHasNoPullIsNamedAndQuarantined) {
   }
   EXPECT_EQ(named, std::set<MarkerId>{map.submaps[0].markers[5].id});
   ASSERT_TRUE(localizer.quarantine_changed());
-  const auto quarantine = localizer.quarantine();
+  const auto quarantine = quarantine_of(localizer);
   ASSERT_EQ(quarantine.size(), 1U);
   EXPECT_EQ(quarantine[0].marker, map.submaps[0].markers[5].id);
   EXPECT_FALSE(localizer.quarantine_changed());
@@ -158,7 +166,7 @@ TEST(Localizer, AMarkerPutBackIsUsedAgain) {
     for (const Alert& alert : localizer.alerts()) over += alert.raised ? 0 : 1;
   }
   EXPECT_EQ(over, 1);
-  EXPECT_TRUE(localizer.quarantine().empty());
+  EXPECT_TRUE(quarantine_of(localizer).empty());
 }
 
 TEST(Localizer, AnUnmappedMarkerIsNamedOnce) {
@@ -247,6 +255,99 @@ TEST(Localizer, AFrozenCameraIsLeftOutAndSaid) {
   }
   ASSERT_EQ(localizer.alerts().size(), 1U);
   EXPECT_EQ(localizer.alerts()[0].kind, AlertKind::image_frozen);
+}
+
+class ManyDetections : public testing::TestWithParam<int> {};
+
+/// One camera sees hundreds of small things that pass for markers.
+TEST_P(ManyDetections, OfMoreThanAreUsedTheLargestInTheImageAre) {
+  RoomDrive drive(test::make_room(usual(3)));
+  Localizer localizer(drive.room().rig, test::room_map(drive.room()), {});
+  PoseEstimate alone;
+  localizer.localize(drive.set(0), alone);
+  ASSERT_EQ(alone.status, PoseStatus::ok);
+
+  FrameSetLease set = drive.set(0);
+  const auto crowded = static_cast<std::size_t>(GetParam());
+  ImageDetections crowd = *set.frames[crowded].detections();
+  for (int i = 0; i < 700; ++i) {
+    Detection& detection = crowd.detections.emplace_back();
+    detection.marker = {Family::tag36h11, 100 + i % 450};
+    const Eigen::Vector2d at(5 + 1.7 * i, 5 + (i * 37) % 900);
+    detection.corners = {at, at + Eigen::Vector2d(3, 0), at + Eigen::Vector2d(3, 3),
+                         at + Eigen::Vector2d(0, 3)};
+  }
+  set.frames[crowded] = Frame(set.frames[crowded].info(), {}, &crowd, nullptr, 0);
+  Localizer crowded_localizer(drive.room().rig, test::room_map(drive.room()), {});
+  PoseEstimate estimate;
+  crowded_localizer.localize(set, estimate);
+  EXPECT_EQ(estimate.observations.size(), kMaxObservations);
+  EXPECT_EQ(estimate.status, PoseStatus::ok);
+  EXPECT_EQ(estimate.cameras_used, alone.cameras_used);
+  EXPECT_EQ(estimate.observations_used, alone.observations_used);
+  EXPECT_TRUE(std::is_sorted(estimate.observations.begin(), estimate.observations.end(),
+                             [](const auto& a, const auto& b) { return a.camera < b.camera; }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Localizer, ManyDetections, testing::Values(0, 1, 2));
+
+TEST(Localizer, AfterTheMachineSleptAnyPlaceMayBeNext) {
+  RoomDrive drive(test::make_room(usual(60)));
+  for (const bool slept : {false, true}) {
+    Localizer localizer(drive.room().rig, test::room_map(drive.room()), {});
+    PoseEstimate estimate;
+    for (std::size_t i = 0; i < 5; ++i) localizer.localize(drive.set(i), estimate);
+    if (slept) localizer.forget_motion();
+    // Towed across the room meanwhile; CLOCK_MONOTONIC stood still.
+    FrameSetLease set = drive.set(35);
+    for (std::size_t c = 0; c < drive.room().rig.cameras.size(); ++c) {
+      FrameInfo info = set.frames[c].info();
+      info.stamp = test::room_stamp(5);
+      set.frames[c] = Frame(info, {}, set.frames[c].detections(), nullptr, 0);
+    }
+    localizer.localize(set, estimate);
+    EXPECT_EQ(estimate.has(PoseReason::jump), !slept);
+    EXPECT_EQ(estimate.status, slept ? PoseStatus::ok : PoseStatus::degraded);
+  }
+}
+
+TEST(Localizer, DetectionsThatWereGivenBeforeNeverMakeAnOkPose) {
+  RoomDrive drive(test::make_room(usual(60)));
+  Localizer localizer(drive.room().rig, test::room_map(drive.room()), {});
+  PoseEstimate estimate;
+  std::vector<Alert> alerts;
+  for (int i = 0; i < 40; ++i) {
+    const bool stale = i >= 10;
+    FrameSetLease set =
+        drive.set(stale ? static_cast<std::size_t>(8 + i % 2) : static_cast<std::size_t>(i));
+    for (std::size_t c = 0; c < drive.room().rig.cameras.size(); ++c) {
+      FrameInfo info = set.frames[c].info();
+      info.stamp = test::room_stamp(i);
+      set.frames[c] = Frame(info, {}, set.frames[c].detections(), nullptr, 0);
+    }
+    localizer.localize(set, estimate);
+    EXPECT_EQ(estimate.status, stale ? PoseStatus::lost : PoseStatus::ok) << i;
+    for (const Alert& alert : localizer.alerts()) alerts.push_back(alert);
+  }
+  ASSERT_EQ(alerts.size(), 3U) << "one of each camera";
+  for (const Alert& alert : alerts) EXPECT_EQ(alert.kind, AlertKind::image_stale);
+  EXPECT_EQ(localizer.unhealthy_cameras(), 7U);
+}
+
+TEST(LocalizerOptions, TellWhichFieldLiesOutsideItsRange) {
+  EXPECT_TRUE(LocalizerOptions{}.check());
+  const auto said = [](const auto& change) {
+    LocalizerOptions options;
+    change(options);
+    const Status checked = options.check();
+    return checked ? std::string() : checked.error().message;
+  };
+  EXPECT_THAT(said([](auto& o) { o.prior_max_age_s = std::nan(""); }),
+              HasSubstr("prior_max_age_s"));
+  EXPECT_THAT(said([](auto& o) { o.gate.w_max_radps = 0.001; }), HasSubstr("w_max_radps"));
+  EXPECT_THAT(said([](auto& o) { o.gate.max_3sigma_m = -1; }), HasSubstr("max_3sigma_m"));
+  EXPECT_THAT(said([](auto& o) { o.gate.max_3sigma_rad = 0.2; }), HasSubstr("max_3sigma_rad"));
+  EXPECT_THAT(said([](auto& o) { o.detection_threads = -1; }), HasSubstr("detection_threads"));
 }
 
 }  // namespace

@@ -149,6 +149,44 @@ TEST(ClockOffset, UtimeRisesThroughAStepBack) {
   }
 }
 
+class Gaps : public testing::TestWithParam<Stamp> {};
+
+TEST_P(Gaps, BetweenReadingsNeverMakeUtimeFall) {
+  for (const Stamp wall_step : {Stamp(-hours(1)), Stamp(hours(1)), Stamp(-milliseconds(40))}) {
+    FakeClocks clocks;
+    ClockOffset offset(clocks.read());
+    clocks.step(wall_step);
+    run_checked(clocks, offset, seconds(1));
+    // A stamp before the reading and one 0.2 ms later, after it.
+    const Stamp stamp = clocks.read().monotonic + GetParam();
+    const std::int64_t before = offset.utime_us(stamp);
+    clocks.run(GetParam());
+    offset.update(clocks.read());
+    const std::int64_t after = offset.utime_us(stamp + std::chrono::microseconds(200));
+    EXPECT_GT(after, before);
+    EXPECT_LE(after - before, 200 + 101);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(ClockOffset, Gaps,
+                         testing::Values(milliseconds(100), seconds(1), seconds(60), hours(1)));
+
+TEST(ClockOffset, TellsWhatHasHappenedBetweenTwoReadings) {
+  FakeClocks clocks;
+  ClockOffset offset(clocks.read());
+  const auto next = [&] {
+    clocks.run(kPeriod);
+    return offset.update(clocks.read());
+  };
+  EXPECT_EQ(next(), ClockEvent::none);
+  clocks.step(hours(1));
+  EXPECT_EQ(next(), ClockEvent::stepped);
+  EXPECT_EQ(next(), ClockEvent::none);
+  clocks.suspend(seconds(20));
+  EXPECT_EQ(next(), ClockEvent::slept);
+  EXPECT_EQ(next(), ClockEvent::none);
+}
+
 TEST(ClockOffset, AnUnsetClockIsOneBeforeTwentyTwenty) {
   EXPECT_EQ(ClockOffset(ClockReading{{}, {}, ClockOffset::kEarliestDate}).status(), TimeStatus::ok);
   EXPECT_EQ(ClockOffset(ClockReading{{}, {}, ClockOffset::kEarliestDate - Stamp{1}}).status(),

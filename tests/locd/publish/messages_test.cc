@@ -72,7 +72,7 @@ TEST(Messages, LostMeansNothingButNaN) {
   pose_t m = make_pose_message(facts);
   PoseEstimate lost = estimate();
   fill_pose(lost, facts, clock_offset(), lost.stamp, m);
-  lost.lose(PoseReason::no_markers);
+  lost.lose_pose(PoseReason::no_markers);
   fill_pose(lost, facts, clock_offset(), lost.stamp, m);
   EXPECT_EQ(m.status, pose_t::LOST);
   EXPECT_EQ(m.reasons, pose_t::NO_MARKERS);
@@ -183,7 +183,8 @@ TEST(Messages, AnAlertNamesWhomItConcerns) {
   alert.kind = AlertKind::image_dark;
   alert.camera = 1;
   alert.stamp = std::chrono::seconds(2);
-  fill_alert(alert, rig, false, session(), clock_offset(), m);
+  const MapIdentity one_family{"aa", false, false};
+  fill_alert(alert, rig, one_family, session(), clock_offset(), m);
   EXPECT_EQ(m.kind, "DARK");
   EXPECT_EQ(m.subject, "cam1");
   EXPECT_EQ(m.utime, 1'800'000'002'000'000);
@@ -192,7 +193,9 @@ TEST(Messages, AnAlertNamesWhomItConcerns) {
   alert = {};
   alert.marker = MarkerId{Family::tag36h11, 7};
   alert.offset_m = 0.31;
-  fill_alert(alert, rig, true, session(), clock_offset(), m);
+  const MapIdentity families{"bb", false, true};
+  fill_alert(alert, rig, families, session(), clock_offset(), m);
+  EXPECT_EQ(m.map_hash, "bb");
   EXPECT_EQ(m.kind, "MOVED");
   EXPECT_EQ(m.subject, "tag36h11:7");
   EXPECT_DOUBLE_EQ(m.offset_m, 0.31);

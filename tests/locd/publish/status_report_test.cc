@@ -60,13 +60,17 @@ TEST(StatusReport, WhatACameraDoesAndWhyItFailsIsNewsOnce) {
   EXPECT_TRUE(report.camera_news(states).empty());
   states[0].description = "GREY 64×48";
   states[1].error = "absent";
-  EXPECT_EQ(report.camera_news(states),
-            (std::vector<std::string>{"cam0: GREY 64×48", "cam1: absent"}));
+  const auto news = report.camera_news(states);
+  ASSERT_EQ(news.size(), 2U);
+  EXPECT_EQ(news[0].key, "cam0 runs");
+  EXPECT_EQ(news[0].text, "cam0: GREY 64×48");
+  EXPECT_EQ(news[1].key, "cam1 fails");
+  EXPECT_EQ(news[1].text, "cam1: absent");
   EXPECT_TRUE(report.camera_news(states).empty());
   states[1].error = "";
   EXPECT_TRUE(report.camera_news(states).empty());
   states[1].error = "absent";
-  EXPECT_EQ(report.camera_news(states), std::vector<std::string>{"cam1: absent"});
+  ASSERT_EQ(report.camera_news(states).size(), 1U);
 }
 
 TEST(StatusReport, OnlyAWrongConfigurationIsOne) {
@@ -116,8 +120,10 @@ TEST(StatusReport, SettingsThatAnotherProgramChangesAreAnAlertAndALineUntilMende
   ASSERT_EQ(begun.size(), 1U);
   EXPECT_EQ(begun[0].kind, AlertKind::settings_changed);
   EXPECT_EQ(begun[0].camera, 1);
-  EXPECT_EQ(machine.report().camera_news(machine.states()),
-            std::vector<std::string>{"cam1: gain was set from 40 to 200 by another program"});
+  const auto news = machine.report().camera_news(machine.states());
+  ASSERT_EQ(news.size(), 1U);
+  EXPECT_EQ(news[0].key, "cam1 settings");
+  EXPECT_EQ(news[0].text, "cam1: gain was set from 40 to 200 by another program");
   machine.states()[1].changed_settings.clear();
   const auto over = machine.run(seconds(2), true);
   ASSERT_EQ(over.size(), 1U);

@@ -5,8 +5,10 @@
 
 #include <sstream>
 
+#include "drivers/replay_source.h"
 #include "drivers/v4l2/v4l2_source.h"
 #include "tests/drivers/v4l2/fake_video_system.h"
+#include "tests/support/room_capture.h"
 
 namespace waymark {
 namespace {
@@ -66,6 +68,26 @@ TEST_F(CheckCameras, FailWithoutTheCameraAndWithoutFrames) {
   ASSERT_FALSE(absent);
   EXPECT_EQ(absent.error().kind, ErrorKind::unavailable);
   EXPECT_THAT(printed_, Not(HasSubstr("offers")));
+}
+
+TEST(CheckReplayedCameras, SaysWhatTheyPlay) {
+  test::RoomOptions room;
+  room.frame_sets = 3;
+  const TemporaryFolder folder;
+  test::write_room_capture(folder, test::make_room(room));
+  ReplayOptions options;
+  options.realtime = options.loop = true;
+  const auto capture = ReplayCapture::open(folder.path(), options);
+  ASSERT_TRUE(capture) << capture.error().message;
+  std::ostringstream out;
+  ASSERT_TRUE(check_cameras(ReplayCapture::sources(*capture), std::nullopt, out));
+  std::istringstream lines(out.str());
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) {
+    EXPECT_GT(line.size(), std::string("cam0: ").size()) << line;
+  }
+  EXPECT_EQ(count, 6);
+  EXPECT_THAT(out.str(), HasSubstr("cam1: 1280×960, replayed again and again"));
 }
 
 }  // namespace

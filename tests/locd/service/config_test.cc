@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "locd/service/setup.h"
+
 namespace waymark {
 namespace {
 
@@ -232,6 +234,52 @@ TEST(Config, EverythingElseNeedsARestartAndIsNamed) {
   moved.rig.base_from_rig.translation.x() = 1;
   EXPECT_EQ(key_that_needs_restart(now, moved), "[rig] base_from_rig");
 }
+
+struct RangedKey {
+  const char* block;
+  const char* key;
+  Range range;
+};
+
+class RangedKeys : public testing::TestWithParam<RangedKey> {
+ protected:
+  [[nodiscard]] static Expected<Config> with(double value) {
+    const bool whole = GetParam().key == std::string("min_cameras");
+    return parse_config(smallest_with(fmt::format(
+                            "[{}]\n{} = {}\n", GetParam().block, GetParam().key,
+                            whole ? fmt::format("{:.0f}", value) : fmt::format("{:.9f}", value))),
+                        "locd.toml");
+  }
+};
+
+TEST_P(RangedKeys, AreHeldToTheRangeOfWhatTheySet) {
+  const Range range = GetParam().range;
+  for (const double value : {range.low, range.high}) {
+    const auto config = with(value);
+    ASSERT_TRUE(config) << config.error().message;
+    EXPECT_TRUE(localizer_options(*config).check()) << value;
+  }
+  const bool whole = GetParam().key == std::string("min_cameras");
+  const double step = whole ? 1 : 0.001 * range.low + 1e-6;
+  for (const double value : {range.low - step, range.high + (whole ? 1 : 0.001 * range.high)}) {
+    const auto config = with(value);
+    ASSERT_FALSE(config) << value;
+    EXPECT_THAT(config.error().message, HasSubstr(GetParam().key));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Config, RangedKeys,
+    testing::Values(RangedKey{"sync", "tolerance_us", SyncOptions::kTolerance_us},
+                    RangedKey{"sync", "deadline_ms", SyncOptions::kDeadline_ms},
+                    RangedKey{"sync", "min_cameras", SyncOptions::kMinCameras},
+                    RangedKey{"solve", "time_budget_ms", Config::Solve::kTimeBudget_ms},
+                    RangedKey{"solve", "ok_sigma_m", GateOptions::kMax3Sigma_m},
+                    RangedKey{"solve", "ok_sigma_deg", GateOptions::kMax3Sigma_deg},
+                    RangedKey{"solve", "v_max_mps", GateOptions::kVMax_mps},
+                    RangedKey{"solve", "w_max_dps", GateOptions::kWMax_degps},
+                    RangedKey{"solve", "prior_max_age_s", LocalizerOptions::kPriorMaxAge_s}),
+    [](const auto& key) { return std::string(key.param.key); });
 
 TEST(Config, AnAbsentFileIsNoInput) {
   const auto config = read_config("/nonexistent/locd.toml");

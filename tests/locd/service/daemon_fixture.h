@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <sys/un.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <functional>
@@ -139,6 +140,7 @@ class DaemonTest : public testing::Test {
     options.state_folder = tmp_.path();
     now_ = monotonic_now();
     options.read_clocks = [this] { return clocks_.at(now_); };
+    options.load_setup = load_setup_;
     daemon_ = std::make_unique<Daemon>(options, std::move(*setup), std::move(sources));
     lcm::LCM& lcm = *daemon_->telemetry().lcm();
     lcm.subscribe("WAYMARK_POSE", &DaemonTest::take_pose, this);
@@ -179,6 +181,17 @@ class DaemonTest : public testing::Test {
       std::this_thread::yield();
     }
     return true;
+  }
+
+  /// Has the configuration read again and waits until it was swapped in or refused.
+  void reload() {
+    const auto told = [&] {
+      return std::count_if(alerts_.begin(), alerts_.end(),
+                           [](const alert_t& alert) { return alert.kind == "RELOAD"; });
+    };
+    const auto before = told();
+    daemon_->reload();
+    ASSERT_TRUE(turn_until([&] { return told() > before; }));
   }
 
   /// A frame of every camera, unless the last were given less than a period ago.
@@ -229,6 +242,8 @@ class DaemonTest : public testing::Test {
   std::unique_ptr<Daemon> daemon_;
   std::vector<FakeCamera*> cameras_;
   SimulatedClocks clocks_;
+  /// How reloads read; the start itself has read already.
+  std::function<Expected<waymark::Setup>(const std::filesystem::path&)> load_setup_ = load_setup;
   Stamp now_{0};
   Stamp last_given_{0};
   std::vector<pose_t> poses_;

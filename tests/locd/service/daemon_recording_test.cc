@@ -170,7 +170,7 @@ TEST_F(DaemonTest, AReloadedBudgetHoldsForTheRecordingThatRuns) {
   };
   ASSERT_TRUE(record_until([&] { return kept() > milliseconds(1500); }));
   write_config("keep_s = 1\n");
-  daemon_->reload();
+  reload();
   EXPECT_TRUE(record_until([&] { return kept() <= milliseconds(1100); }));
 }
 

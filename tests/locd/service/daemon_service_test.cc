@@ -10,7 +10,7 @@ using test::DaemonTest;
 using test::FakeSystemd;
 using testing::HasSubstr;
 
-TEST_F(DaemonTest, SystemdHearsReadyStatusAndTheWatchdogsFood) {
+TEST_F(DaemonTest, SystemdHearsReadyStatusAndTheWatchdog) {
   FakeSystemd& systemd = with_systemd();
   start();
   EXPECT_EQ(systemd.heard().find("READY=1"), std::string::npos);
@@ -44,7 +44,7 @@ TEST_F(DaemonTest, AReloadBeforeReadyDoesNotMakeItReady) {
   FakeSystemd& systemd = with_systemd();
   write_config("[service]\nstartup_wait_s = 300\n");
   start();
-  daemon_->reload();
+  reload();
   turn_for(seconds(2));
   const std::string heard = systemd.heard();
   EXPECT_THAT(heard, HasSubstr("STATUS=reloaded"));
@@ -116,7 +116,7 @@ TEST_F(DaemonTest, TheWatchdogStarvesWhenACameraIsStuckInACall) {
   serve_for(seconds(2));  // twice the time after which it would be due
   EXPECT_FALSE(fed());
   cameras_[0]->release();
-  EXPECT_TRUE(turn_until(fed)) << "something else has kept it from its food";
+  EXPECT_TRUE(turn_until(fed)) << "something else has kept it from being fed";
 }
 
 TEST_F(DaemonTest, TheEndDoesNotWaitForAStuckDriver) {

@@ -115,7 +115,7 @@ TEST_F(DaemonTest, AReloadSwapsTheMap) {
   MarkerMap other = test::small_map();
   other.submaps[0].markers[0].world_from_marker.translation.x() += 1;
   ASSERT_TRUE(write_map_file(tmp_.path() / "hall.map", other));
-  daemon_->reload();
+  reload();
   ASSERT_TRUE(
       turn_until([&] { return !poses_.empty() && poses_.back().map_hash == content_hash(other); }));
   EXPECT_NE(alert("RELOAD", false), nullptr);
@@ -182,7 +182,7 @@ TEST_F(DaemonTest, ABadReloadIsRefusedWholeAndSaid) {
   for (const BadReload& bad : cases) {
     bad.spoil(tmp_);
     alerts_.clear();
-    daemon_->reload();
+    reload();
     turn_for(seconds(2));
     const alert_t* const refused = alert("RELOAD", true);
     ASSERT_NE(refused, nullptr) << bad.what;
@@ -194,7 +194,7 @@ TEST_F(DaemonTest, ABadReloadIsRefusedWholeAndSaid) {
     tmp_.write("rig.yaml", good_rig);
     tmp_.write("locd.toml", good_config);
   }
-  daemon_->reload();
+  reload();
   turn_for(seconds(2));
   EXPECT_EQ(statuses_.back().reload_refused, "");
 }
@@ -204,7 +204,7 @@ TEST_F(DaemonTest, AMapWithSomeMarkersThatNoCameraSeesIsUsed) {
   mixed.submaps[0].markers.back().id = {Family::tagstandard52h13, 40'000};
   start();
   ASSERT_TRUE(write_map_file(tmp_.path() / "hall.map", mixed));
-  daemon_->reload();
+  reload();
   ASSERT_TRUE(
       turn_until([&] { return !poses_.empty() && poses_.back().map_hash == content_hash(mixed); }));
 }
@@ -215,7 +215,7 @@ TEST_F(DaemonTest, YawIsToldWhereTheMapSaysThatItsZIsUp) {
   MarkerMap levelled = test::small_map();
   levelled.submaps[0].z_is_up = true;
   ASSERT_TRUE(write_map_file(tmp_.path() / "hall.map", levelled));
-  daemon_->reload();
+  reload();
   EXPECT_TRUE(turn_until([&] { return daemon_->telemetry().session().world_z_is_up; }));
 }
 
@@ -264,7 +264,7 @@ TEST_F(DaemonTest, PosesAreSignedBesidesWhereThereIsAKey) {
     EXPECT_TRUE(std::equal(std::begin(message.mac), std::end(message.mac), std::begin(again.mac)));
   }
   tmp_.write("pose.key", std::string(64, '6'));
-  daemon_->reload();
+  reload();
   turn_for(seconds(1));
   ASSERT_NE(alert("RELOAD", true), nullptr);
   EXPECT_THAT(alert("RELOAD", true)->text, testing::HasSubstr("the key has changed"));

@@ -2,7 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
 #include <unistd.h>
+
+#include <atomic>
+#include <thread>
 
 #include "tests/support/temporary_folder.h"
 
@@ -42,6 +46,35 @@ TEST(InstanceLock, TheHolderIsKnownWhileItHolds) {
     EXPECT_EQ(InstanceLock::holder(file), ::getpid());
   }
   EXPECT_EQ(InstanceLock::holder(file), std::nullopt);
+}
+
+TEST(InstanceLock, WhoAsksForTheHolderNeverKeepsOneFromStarting) {
+  const TemporaryFolder tmp;
+  const auto file = tmp.write("locd.pid", "");
+  std::atomic<bool> done{false};
+  std::thread asking([&] {
+    while (!done) static_cast<void>(InstanceLock::holder(file));
+  });
+  int refused = 0;
+  for (int i = 0; i < 5000; ++i) refused += InstanceLock::take(file) ? 0 : 1;
+  done = true;
+  asking.join();
+  EXPECT_EQ(refused, 0);
+}
+
+TEST(InstanceLock, AnotherProcessHoldsItAndALockOfOursIsNoneOfItsOwn) {
+  const TemporaryFolder tmp;
+  const auto file = tmp.path() / "locd.pid";
+  const auto lock = InstanceLock::take(file);
+  ASSERT_TRUE(lock);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const auto second = InstanceLock::take(file);
+    ::_exit(!second && InstanceLock::holder(file) == ::getppid() ? 0 : 1);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
 }
 
 TEST(InstanceLock, APlaceThatCannotBeMadeIsSaid) {

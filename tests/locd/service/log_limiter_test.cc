@@ -53,5 +53,13 @@ TEST(LogLimiter, ManyDifferentSubjectsAreLimitedToo) {
   EXPECT_GE(lines, LogLimiter::kMaxFirst);
 }
 
+TEST(LogLimiter, RemembersNoSubjectForLongerThanItMatters) {
+  LogLimiter limiter;
+  for (int i = 0; i < 1000; ++i) {
+    static_cast<void>(limiter.admit("recording " + std::to_string(i), i * minutes(11)));
+    EXPECT_LE(limiter.subjects(), 2U);
+  }
+}
+
 }  // namespace
 }  // namespace waymark
