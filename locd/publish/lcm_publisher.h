@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/priority_mutex.h"
 #include "core/geometry/stamp.h"
 #include "locd/publish/lcm_url.h"
 
@@ -66,7 +67,7 @@ class LcmPublisher {
   bool refuse(Link why);
 
   const LcmUrl url_;
-  mutable std::mutex mutex_;
+  mutable PriorityMutex mutex_;  ///< localization, on SCHED_FIFO, publishes too
   std::unique_ptr<lcm::LCM> lcm_;
   std::vector<std::uint8_t> buffer_;
   Stamp retry_at_{0};

@@ -117,16 +117,6 @@ TEST_P(Swaps, AreNamedAndOverWhenPutRightAndNamedAgain) {
   }
 }
 
-TEST_P(Swaps, DoNotKeepAKnockedCameraFromBeingNamedOnceTheyAreOver) {
-  const auto [a, b] = GetParam();
-  ASSERT_EQ(drive(kSets, swapped(a, b)).alerts.size(), 1U);
-  ASSERT_EQ(drive(30, nothing()).alerts.size(), 1U);
-  const Outcome knocked = drive(2 * kSets, rolled(1, 1.0));
-  ASSERT_EQ(knocked.alerts.size(), 1U);
-  EXPECT_EQ(knocked.alerts[0].kind, AlertKind::extrinsics_off);
-  EXPECT_EQ(knocked.alerts[0].camera, 1);
-}
-
 INSTANTIATE_TEST_SUITE_P(Camera, Swaps,
                          testing::Values(std::pair<std::size_t, std::size_t>{0, 1},
                                          std::pair<std::size_t, std::size_t>{0, 2},
