@@ -149,7 +149,7 @@ TEST(MoveWorld, CarriesCovarianceAndTrajectoryAlong) {
   BuiltSubMap submap;
   submap.map = hall(3, 5);
   submap.map.markers[0].covariance.diagonal() << 1, 2, 3, 4, 5, 6;
-  submap.trajectory.push_back({0, {}});
+  submap.trajectory.push_back({FrameSetIndex(0), Rigid3{}});
   const Rigid3 turned{so3_exp(Eigen::Vector3d(0, 0, M_PI / 2)), {1, 0, 0}};
   move_world(submap, turned);
   Vector6d expected;
