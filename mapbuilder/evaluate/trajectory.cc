@@ -7,7 +7,6 @@
 #include "core/base/check.h"
 #include "core/base/folder_walk.h"
 #include "core/base/text_field.h"
-#include "core/capture/image_list.h"
 #include "mapbuilder/build/output_paths.h"
 
 namespace waymark {
@@ -25,31 +24,17 @@ std::optional<std::size_t> camera_number_of(const fs::path& path) {
   return parse_whole<std::size_t>(std::string_view(suffix).substr(4));
 }
 
-/// Files `out.camN.tum` beside `path` = `out.tum`, by camera number; none where the folder is not
-/// there. Errors: permission, io.
-Expected<std::map<std::size_t, fs::path>> camera_files_beside(const fs::path& path) {
+/// Files `out.camN.tum` beside `path` = `out.tum`, by camera number.
+std::map<std::size_t, fs::path> camera_files_beside(const fs::path& path) {
   std::map<std::size_t, fs::path> files;
   const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
-  std::error_code absent;
-  if (!fs::is_directory(folder, absent) && absent != std::errc::permission_denied) return files;
-  const auto entries = list_folder(folder);
-  if (!entries) return tl::make_unexpected(entries.error());
-  for (const fs::path& entry : *entries) {
-    const auto number = camera_number_of(entry);
-    if (!number) continue;
+  walk_folder<fs::directory_iterator>(folder, [&](const fs::directory_entry& entry) {
+    const auto number = camera_number_of(entry.path());
+    if (!number) return;
     const fs::path expected = path_of_camera(path, "cam" + std::to_string(*number));
-    if (entry.filename() == expected.filename()) files.emplace(*number, expected);
-  }
+    if (entry.path().filename() == expected.filename()) files.emplace(*number, expected);
+  });
   return files;
-}
-
-/// Whether something is there; permission or io where that can't be told.
-Expected<bool> is_there(const fs::path& path) {
-  std::error_code failed;
-  const bool there = fs::exists(path, failed);
-  if (!failed) return there;
-  return fail(failed == std::errc::permission_denied ? ErrorKind::permission : ErrorKind::io,
-              "{}: can't open: {}", path.string(), failed.message());
 }
 
 Expected<Trajectory> read_one(const fs::path& path, std::optional<std::size_t> camera) {
@@ -103,17 +88,15 @@ Expected<Rigid3> rig_from_frame(const Trajectory& trajectory, const Rig* rig) {
 Expected<std::vector<Trajectory>> read_trajectories(const fs::path& path, std::size_t submap) {
   const fs::path named = of_submap(path, submap);
   std::vector<Trajectory> trajectories;
-  const auto named_is_there = is_there(named);
-  if (!named_is_there) return tl::make_unexpected(named_is_there.error());
-  if (*named_is_there) {
+  std::error_code why;
+  // What can't be looked at is for the reader to say.
+  if (fs::status(named, why).type() != fs::file_type::not_found) {
     auto trajectory = read_one(named, camera_number_of(named));
     if (!trajectory) return tl::make_unexpected(trajectory.error());
     trajectories.push_back(*std::move(trajectory));
     return trajectories;
   }
-  const auto files = camera_files_beside(named);
-  if (!files) return tl::make_unexpected(files.error());
-  for (const auto& [camera, file] : *files) {
+  for (const auto& [camera, file] : camera_files_beside(named)) {
     auto trajectory = read_one(file, camera);
     if (!trajectory) return tl::make_unexpected(trajectory.error());
     trajectories.push_back(*std::move(trajectory));

@@ -36,7 +36,11 @@ ExplainedBuild built(const std::function<void(DetectedCapture&)>& change, std::u
 
 /// Exactly one cause, and nothing that accuses a marker.
 void expect_only(const ExplainedBuild& build, Cause cause) {
-  ASSERT_EQ(build.causes.size(), 1U);
+  ASSERT_FALSE(build.causes.empty());
+  // Of a rig that is its own mirror image another cause may look the same, and says so.
+  for (std::size_t i = 1; i < build.causes.size(); ++i) {
+    EXPECT_THAT(build.causes[i].text, testing::HasSubstr("look alike"));
+  }
   EXPECT_EQ(build.causes[0].cause, cause)
       << name_of(build.causes[0].cause) << ": " << build.causes[0].text;
   EXPECT_EQ(build.causes[0].severity, Severity::error);
