@@ -16,7 +16,7 @@ Index at(int i) { return static_cast<Index>(i); }
 /// Position of each block in an order of little fill.
 std::vector<int> fill_reducing_positions(const BlockPattern& pattern) {
   const int n = pattern.columns();
-  if (n == 0) return {};  // Eigen's ordering writes before the first of no columns
+  if (n <= 0) return {};  // Eigen's ordering writes before the first of no columns
   std::vector<Eigen::Triplet<char>> entries;
   entries.reserve(2 * pattern.blocks());
   for (int c = 0; c < n; ++c) {

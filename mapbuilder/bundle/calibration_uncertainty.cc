@@ -32,8 +32,10 @@ Eigen::MatrixXd joint_covariance(const ReducedLayout& layout, const BlockCholesk
 
 CalibrationUncertainty uncertainty_of(ReducedProblem& problem, const BundleVariables& at) {
   const ReducedLayout& layout = problem.layout();
+  // Reduced first: that is what makes the pattern where another solver found the optimum.
+  const auto system = problem.reduce(at, 0.0);
   BlockCholesky cholesky(problem.pattern());
-  const bool determined = cholesky.factorize(problem.reduce(at, 0.0).information);
+  const bool determined = cholesky.factorize(system.information);
   const std::vector<Matrix6d> covariance =
       determined ? cholesky.inverse_diagonal() : std::vector<Matrix6d>{};
   const auto sigma = [&](int block, int first, int count) {

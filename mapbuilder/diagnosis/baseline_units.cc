@@ -19,10 +19,8 @@ struct Unit {
   double metres;
   double near;  ///< share of it that a scale may be off: little where a mere fault comes close
 };
-constexpr std::array<Unit, 4> kUnits{{{"millimetres", 0.001, 0.25},
-                                      {"centimetres", 0.01, 0.25},
-                                      {"inches", 0.0254, 0.25},
-                                      {"feet", 0.3048, 0.1}}};
+constexpr std::array<Unit, 3> kUnits{
+    {{"millimetres", 0.001, 0.25}, {"centimetres", 0.01, 0.25}, {"inches", 0.0254, 0.25}}};
 
 /// Longer baselines than hardly a rig has.
 constexpr double kLongBaseline_m = 3.0;
