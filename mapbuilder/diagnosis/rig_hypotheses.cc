@@ -753,7 +753,7 @@ class RigJudge {
     }
     // Numbers may be fitted to whatever bends the tracks; they explain only what they leave at
     // about the places' own noise.
-    constexpr double kMostNoise = 4.0;
+    constexpr double kMostNoise = 2.5;
     if (!best->listed && noise_scale_ > kMostNoise) return std::nullopt;
     // What a file is easily written wrongly like comes before numbers that happen to fit as well,
     // the first of them before others that the rig's symmetry makes equal.
@@ -770,6 +770,8 @@ class RigJudge {
           h->explanation.cameras == best->explanation.cameras) {
         continue;
       }
+      // Two numbers that fit as well as each other name nobody.
+      if (!best->listed && !h->listed) return std::nullopt;
       const RigExplanation& other = h->explanation;
       best->explanation.alternative = {
           other.cause, other.cameras,
