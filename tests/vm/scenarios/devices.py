@@ -251,17 +251,12 @@ STOP_S = 1.0
 
 
 def settings_of_others(world):
-    """Another program can't set a camera that is locd's; one that claims as much priority is found out, what it set is
-    set again, and both are said."""
+    """Another program can't set a camera that is locd's: the kernel refuses it, and one that claims as much priority, too.
+    (What a driver without priorities lets through is held by V4l2SourceTest.)"""
     world.localize()
-    set_gain = "v4l2-ctl -d /dev/waymark/WM-0 {} --set-ctrl=gain=100 2>&1"
-    said = world.guest.run(set_gain.format(""))[1]
-    assert "busy" in said, said
-    assert_set(world.cameras[0])
-    world.hearing.mark()
-    world.guest.check(set_gain.format("--set-priority=3"))
-    world.hearing.wait_for("alert that names the camera", "ALERT",
-                           lambda m: m["raised"] and m["kind"] == "SETTINGS" and m["subject"] == "cam0")
-    world.hearing.wait_for("its end", "ALERT", lambda m: not m["raised"] and m["kind"] == "SETTINGS")
-    assert_set(world.cameras[0])
-    assert world.locd.has_said("gain was set from 40 to 100 by another program")
+    for claim in ("", "--set-priority=3"):
+        code, said = world.guest.run(f"v4l2-ctl -d /dev/waymark/WM-0 {claim} --set-ctrl=gain=100 2>&1")
+        assert code != 0 and "busy" in said, (claim, code, said)
+        assert_set(world.cameras[0])
+    world.localize()
+    assert not world.locd.has_said("was set from")
