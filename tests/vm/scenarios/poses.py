@@ -108,7 +108,9 @@ def assert_linked_and_awake(world, camera):
 
 def start_recording(world):
     """The folder of a recording that begins; statuses are marked from its first on."""
-    folder = world.locd.request("start").removeprefix("ok ")
+    answer = world.locd.request("start")
+    assert answer.startswith("ok /"), answer
+    folder = answer.removeprefix("ok ")
     world.hearing.mark()
     world.hearing.wait_for("status of the recording", "STATUS", lambda m: m["recording_path"] == folder)
     world.hearing.mark()
