@@ -41,7 +41,7 @@ def realtime(world):
         world.wait_for_full_pose()
         threads = world.guest.check(f"ps -L -o comm=,cls=,rtprio= -p {world.locd.pid()}")
         of = dict(re.findall(r"^(\S+) +FF +(\d+)$", threads, re.M))
-        assert of == {"cam0": "40", "cam1": "40", "cam2": "40", "localization": "30"}, threads
+        assert of == {"cam0": "40", "cam1": "40", "cam2": "40", "localization": "30", "detection": "30"}, threads
         status = world.guest.check(f"cat /proc/{world.locd.pid()}/status")
         of_kb = {kind: int(kb) for kind, kb in re.findall(r"^Vm(Size|Lck):\s+(\d+) kB$", status, re.M)}
         # The cameras' buffers are the kernel's own, and never swapped out.

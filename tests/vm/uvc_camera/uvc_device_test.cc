@@ -14,7 +14,7 @@ FrameFeed one_frame() {
   feed.format.fps = 10;
   feed.format.max_frame_bytes = 32;
   feed.format.serial = "WM-0";
-  feed.frames.emplace_back(32, std::uint8_t{7});
+  feed.images.emplace_back(32, std::uint8_t{7});
   return feed;
 }
 

@@ -34,13 +34,11 @@ void VideoStream::begin_frame(Instant now) {
   index_ = newest;
   parity_ ^= 1U;
   if (grey_) {
-    // The two lowest bits differ from frame to frame: it is not frozen.
-    painted_.assign(feed_.at(index_).size(), static_cast<std::uint8_t>(*grey_ ^ (index_ & 3)));
-    frame_ = &painted_;
-  } else if (frame_ == nullptr || !frozen_) {
-    frame_ = &feed_.at(index_);
+    frame_ = feed_.painted_frame(*grey_, index_);
+  } else if (frame_.empty() || !frozen_) {
+    frame_ = feed_.frame(index_);
   }
-  end_ = frame_->size();
+  end_ = frame_.size();
   if (short_ > 0) {
     --short_;
     end_ /= 2;
@@ -62,7 +60,7 @@ std::optional<Bytes> VideoStream::next_payload(Instant now, std::uint32_t room) 
   const std::size_t size =
       std::min<std::size_t>(std::min(room, kMaxPayloadBytes) - kHeaderBytes, end_ - offset_);
   Bytes payload{kHeaderBytes, static_cast<std::uint8_t>(kEndOfHeader | parity_)};
-  const auto from = frame_->begin() + static_cast<std::ptrdiff_t>(offset_);
+  const auto from = frame_.begin() + static_cast<std::ptrdiff_t>(offset_);
   payload.insert(payload.end(), from, from + static_cast<std::ptrdiff_t>(size));
   offset_ += size;
   if (offset_ == end_) {

@@ -56,10 +56,9 @@ class VideoStream {
   bool stalled_ = false;
   bool frozen_ = false;
   std::optional<std::uint8_t> grey_;
-  Bytes painted_;
   int short_ = 0;
   std::int64_t index_ = 0;  ///< of the frame under way, or the next
-  const Bytes* frame_ = nullptr;
+  Bytes frame_;
   std::size_t end_ = 0;      ///< bytes of the frame that will be sent
   std::size_t offset_ = 0;   ///< bytes sent
   std::uint8_t parity_ = 0;  ///< the header's frame bit, which changes with every frame

@@ -9,12 +9,14 @@ using std::chrono::milliseconds;
 
 constexpr std::uint32_t kRoom = 1'000'000;
 
-/// `count` frames of 100,000 bytes, each filled with its number; 10 a second.
+/// `count` images of 100,000 pixels, each filled with its number; 10 a second.
 FrameFeed numbered_frames(int count) {
   FrameFeed feed;
+  feed.format.width_px = 400;
+  feed.format.height_px = 250;
   feed.format.fps = 10;
   feed.format.max_frame_bytes = 100'000;
-  for (int i = 0; i < count; ++i) feed.frames.emplace_back(100'000, static_cast<std::uint8_t>(i));
+  for (int i = 0; i < count; ++i) feed.images.emplace_back(100'000, static_cast<std::uint8_t>(i));
   return feed;
 }
 
@@ -43,9 +45,9 @@ TEST(VideoStream, AFrameComesWholeWhenItsTimeHasCome) {
   stream.start(milliseconds(1030));
   EXPECT_EQ(stream.due(), milliseconds(1100));
   EXPECT_EQ(stream.next_payload(milliseconds(1099), kRoom), std::nullopt);
-  EXPECT_EQ(receive(stream, milliseconds(1100)).image, Bytes(100'000, 11 % 4));
+  EXPECT_EQ(receive(stream, milliseconds(1100)).image, numbered_frames(4).frame(11));
   EXPECT_EQ(stream.next_payload(milliseconds(1101), kRoom), std::nullopt);
-  EXPECT_EQ(receive(stream, milliseconds(1200)).image, Bytes(100'000, 12 % 4));
+  EXPECT_EQ(receive(stream, milliseconds(1200)).image, numbered_frames(4).frame(12));
 }
 
 TEST(VideoStream, CamerasThatStartAtDifferentTimesShowTheSameInstant) {
@@ -59,7 +61,7 @@ TEST(VideoStream, CamerasThatStartAtDifferentTimesShowTheSameInstant) {
 TEST(VideoStream, AHostThatReadsTooSlowlyLosesWholeFrames) {
   VideoStream stream(numbered_frames(4));
   stream.start(milliseconds(1030));
-  EXPECT_EQ(receive(stream, milliseconds(1420)).image, Bytes(100'000, 14 % 4));
+  EXPECT_EQ(receive(stream, milliseconds(1420)).image, numbered_frames(4).frame(14));
   EXPECT_EQ(stream.counts().skipped, 3);
   EXPECT_EQ(stream.counts().sent, 1);
 }
@@ -70,7 +72,7 @@ TEST(VideoStream, AFrameThatCouldBeginMuchTooLateOnlyIsLeftOut) {
   EXPECT_EQ(stream.next_payload(milliseconds(1421), kRoom), std::nullopt);
   EXPECT_EQ(stream.counts().skipped, 4);
   EXPECT_EQ(stream.due(), milliseconds(1500));
-  EXPECT_EQ(receive(stream, milliseconds(1500)).image, Bytes(100'000, 15 % 4));
+  EXPECT_EQ(receive(stream, milliseconds(1500)).image, numbered_frames(4).frame(15));
 }
 
 TEST(VideoStream, TheFrameBitChangesWithEveryFrame) {
@@ -83,7 +85,7 @@ TEST(VideoStream, TheFrameBitChangesWithEveryFrame) {
 TEST(VideoStream, SmallTransfersMakeTheSameFrame) {
   VideoStream stream(numbered_frames(2));
   stream.start(milliseconds(0));
-  EXPECT_EQ(receive(stream, milliseconds(100), 512).image, Bytes(100'000, 1));
+  EXPECT_EQ(receive(stream, milliseconds(100), 512).image, numbered_frames(2).frame(1));
 }
 
 TEST(VideoStream, ShortFramesEndHalfWayAndThenAllIsWell) {
@@ -101,17 +103,17 @@ TEST(VideoStream, AStalledCameraSendsNothing) {
   EXPECT_EQ(stream.due(), std::nullopt);
   EXPECT_EQ(stream.next_payload(milliseconds(500), kRoom), std::nullopt);
   stream.stall(false);
-  EXPECT_EQ(receive(stream, milliseconds(500)).image, Bytes(100'000, 1));
+  EXPECT_EQ(receive(stream, milliseconds(500)).image, numbered_frames(2).frame(5));
 }
 
 TEST(VideoStream, AFrozenCameraRepeatsItsImage) {
   VideoStream stream(numbered_frames(4));
   stream.start(milliseconds(0));
-  EXPECT_EQ(receive(stream, milliseconds(100)).image, Bytes(100'000, 1));
+  EXPECT_EQ(receive(stream, milliseconds(100)).image, numbered_frames(4).frame(1));
   stream.freeze(true);
-  EXPECT_EQ(receive(stream, milliseconds(200)).image, Bytes(100'000, 1));
+  EXPECT_EQ(receive(stream, milliseconds(200)).image, numbered_frames(4).frame(1));
   stream.freeze(false);
-  EXPECT_EQ(receive(stream, milliseconds(300)).image, Bytes(100'000, 3));
+  EXPECT_EQ(receive(stream, milliseconds(300)).image, numbered_frames(4).frame(3));
 }
 
 TEST(VideoStream, APaintedCameraShowsAGreyThatIsNotFrozen) {
@@ -120,10 +122,11 @@ TEST(VideoStream, APaintedCameraShowsAGreyThatIsNotFrozen) {
   stream.start(milliseconds(0));
   const Bytes first = receive(stream, milliseconds(100)).image;
   const Bytes second = receive(stream, milliseconds(200)).image;
-  EXPECT_EQ(first, Bytes(100'000, 254));
-  EXPECT_EQ(second, Bytes(100'000, 253));
+  EXPECT_EQ(first, numbered_frames(4).painted_frame(255, 1));
+  EXPECT_EQ(second, numbered_frames(4).painted_frame(255, 2));
+  EXPECT_NE(first, second);
   stream.paint(std::nullopt);
-  EXPECT_EQ(receive(stream, milliseconds(300)).image, Bytes(100'000, 3));
+  EXPECT_EQ(receive(stream, milliseconds(300)).image, numbered_frames(4).frame(3));
 }
 
 }  // namespace
