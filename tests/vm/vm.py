@@ -17,6 +17,7 @@ sys.path[:0] = [str(HERE / "harness"), str(HERE / "scenarios")]
 
 # pylint: disable=wrong-import-position
 import capture_paths
+import chaos
 import devices
 import disks
 import package
@@ -27,7 +28,7 @@ import starting
 from inputs import make_inputs
 from world import load
 
-SCENARIOS = (package, poses, starting, devices, service_faults, sandbox, disks, capture_paths)
+SCENARIOS = (package, poses, starting, devices, service_faults, sandbox, disks, capture_paths, chaos)
 
 
 def make_packages(paths, folder):
