@@ -1,4 +1,5 @@
-// Compiled once for libraries and programs: what most sources include and what takes long to parse.
+// Compiled once for libraries and programs: what most sources include and what takes long to parse. Not what few include: whatever
+// non-template functions such a header holds is compiled again with every source (JSON's: 0.6 s).
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -18,7 +19,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <optional>
 #include <set>

@@ -12,25 +12,33 @@ set(CMAKE_INSTALL_RPATH $ORIGIN/../lib/waymark)
 set(WAYMARK_FAST $<$<CONFIG:Release>:-O3>)
 # Tests' own sources: they are compiled more often than they run, and spend their time in what they test, which is optimized as ever.
 set(WAYMARK_TESTS_OWN $<$<CONFIG:Release>:-O1>)
+# Sources that read a command line: large templates that run once.
+set(WAYMARK_COMMAND_LINE $<$<CONFIG:Release>:-O1>)
 
 # Headers that nearly every source includes are compiled once for all of them. Sources still include what they use:
 # scripts/check builds without. GCC optimizes whatever uses a precompiled header as that header was, so that there is one per kind of
-# optimization, and sources with options of their own (waymark_source_options) use none.
+# optimization, and sources with options of their own (waymark_source_options) use none. A folder that sets WAYMARK_PRECOMPILED to
+# "mapping" has headers of its own compiled as well.
+set(WAYMARK_PRECOMPILED common)
 function(waymark_precompiled kind header)
   add_library(waymark_precompiled_${kind} OBJECT ${PROJECT_BINARY_DIR}/precompiled_headers.cc)
   target_precompile_headers(waymark_precompiled_${kind} PRIVATE ${PROJECT_SOURCE_DIR}/cmake/${header})
-  target_link_libraries(waymark_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt nlohmann_json::nlohmann_json
-                        tl::expected waymark_warnings)
+  target_include_directories(waymark_precompiled_${kind} PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(waymark_precompiled_${kind} PRIVATE Eigen3::Eigen fmt::fmt tl::expected waymark_warnings)
 endfunction()
 if(WAYMARK_PRECOMPILED_HEADERS)
   file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/precompiled_headers.cc CONTENT "")
   waymark_precompiled(common precompiled_common.h)
+  waymark_precompiled(mapping precompiled_mapping.h)
   waymark_precompiled(fast precompiled_common.h)
   target_compile_options(waymark_precompiled_fast PRIVATE ${WAYMARK_FAST})
   if(WAYMARK_TESTS)
-    waymark_precompiled(tests precompiled_tests.h)
-    target_compile_options(waymark_precompiled_tests PRIVATE ${WAYMARK_TESTS_OWN})
-    target_link_libraries(waymark_precompiled_tests PRIVATE GTest::gmock)
+    waymark_precompiled(common_tests precompiled_tests.h)
+    waymark_precompiled(mapping_tests precompiled_mapping_tests.h)
+    foreach(kind common_tests mapping_tests)
+      target_compile_options(waymark_precompiled_${kind} PRIVATE ${WAYMARK_TESTS_OWN})
+      target_link_libraries(waymark_precompiled_${kind} PRIVATE GTest::gmock)
+    endforeach()
   endif()
 endif()
 function(waymark_precompile target kind)
@@ -57,7 +65,7 @@ function(waymark_library name)
     target_compile_options(${name} PRIVATE ${WAYMARK_FAST})
     waymark_precompile(${name} fast)
   else()
-    waymark_precompile(${name} common)
+    waymark_precompile(${name} ${WAYMARK_PRECOMPILED})
   endif()
 endfunction()
 
@@ -89,7 +97,7 @@ function(waymark_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} waymark_warnings)
-  waymark_precompile(${name} common)
+  waymark_precompile(${name} ${WAYMARK_PRECOMPILED})
 endfunction()
 
 # waymark_test(<name> SOURCES … LIBS … [LABELS …] [TIMEOUT seconds]): GoogleTest cases, one ctest line each.
@@ -102,7 +110,7 @@ function(waymark_test name)
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_LIBS} GTest::gtest_main GTest::gmock waymark_warnings)
   target_compile_options(${name} PRIVATE ${WAYMARK_TESTS_OWN})
-  waymark_precompile(${name} tests)
+  waymark_precompile(${name} ${WAYMARK_PRECOMPILED}_tests)
   set(properties TIMEOUT ${ARG_TIMEOUT})
   if(ARG_LABELS)  # an empty value would vanish and shift what follows it
     list(APPEND properties LABELS "${ARG_LABELS}")

@@ -1,0 +1,12 @@
+// Compiled once for mapbuilder's rooms, whose sources nearly all include what they work on.
+#include "core/base/error.h"
+#include "core/base/progress.h"
+#include "core/camera/rig.h"
+#include "core/capture/frame_set.h"
+#include "core/estimate/rig_pose_solver.h"
+#include "core/geometry/rigid3.h"
+#include "core/geometry/symmetric_factor.h"
+#include "core/map/marker_map.h"
+#include "mapbuilder/bundle/bundle_problem.h"
+#include "mapbuilder/observations/selection.h"
+#include "precompiled_common.h"

@@ -1,0 +1,3 @@
+// Compiled once for the tests of mapbuilder's rooms.
+#include "precompiled_mapping.h"
+#include "precompiled_tests.h"
