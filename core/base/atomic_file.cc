@@ -79,9 +79,9 @@ Status write_file_atomically(const fs::path& named, std::string_view content) {
                 "{}: can't create: {}; check that the folder {} exists and is writable",
                 path.string(), system_reason(), folder.string());
   }
-  const auto give_up = [&]() -> Status {
+  const auto give_up = [&, &name = temporary]() -> Status {
     const std::string why = system_reason();
-    ::unlink(temporary.c_str());
+    ::unlink(name.c_str());
     return fail(ErrorKind::io, "{}: can't write {} bytes: {}; the earlier content is unchanged",
                 path.string(), content.size(), why);
   };

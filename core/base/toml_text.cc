@@ -30,9 +30,10 @@ std::size_t string_length(std::string_view text) {
   return text.size();
 }
 
-/// The line on which brackets, or the dots of one key, nest too deep.
+/// The line on which there are too many dots, or brackets or the dots of one key nest too deep.
 std::optional<std::size_t> too_deep_line(std::string_view text) {
   std::size_t line = 1;
+  std::size_t all_dots = 0;
   int brackets = 0;
   int dots = 0;
   for (std::size_t at = 0; at < text.size();) {
@@ -44,6 +45,7 @@ std::optional<std::size_t> too_deep_line(std::string_view text) {
       length = std::min(text.find('\n', at), text.size()) - at;
     } else if (c == '.') {
       ++dots;
+      ++all_dots;
     } else if (c == '[' || c == '{') {
       ++brackets;
     } else if (c == ']' || c == '}') {
@@ -51,7 +53,7 @@ std::optional<std::size_t> too_deep_line(std::string_view text) {
     }
     // What ends a key.
     if (std::string_view("[]{},=\n").find(c) != std::string_view::npos) dots = 0;
-    if (brackets > kMaxTomlDepth || dots > kMaxTomlDepth) return line;
+    if (brackets > kMaxTomlDepth || dots > kMaxTomlDepth || all_dots > kMaxTomlDots) return line;
     const std::string_view passed = text.substr(at, length);
     line += static_cast<std::size_t>(std::count(passed.begin(), passed.end(), '\n'));
     at += length;
@@ -64,8 +66,10 @@ Status check_bounds(std::string_view text, const std::string& name, ErrorKind er
     return fail(error, "{}: larger than {} bytes; this is not such a file", name, kMaxTomlBytes);
   }
   if (const auto line = too_deep_line(text)) {
-    return fail(error, "{}: line {}: nested deeper than {} levels; this is not such a file", name,
-                *line, kMaxTomlDepth);
+    return fail(error,
+                "{}: line {}: nested deeper than {} levels, or more than {} dots; this is not "
+                "such a file",
+                name, *line, kMaxTomlDepth, kMaxTomlDots);
   }
   return {};
 }

@@ -15,6 +15,9 @@ namespace waymark {
 /// parser and whoever destroys what it made recurse into depth, so it is bounded beforehand.
 inline constexpr std::size_t kMaxTomlBytes = std::size_t{1} << 20;
 inline constexpr int kMaxTomlDepth = 16;
+/// Each dot of a key may be a table of its own, a hundred times its size in memory. A survey of a
+/// mebibyte has 52,000, most of them in numbers.
+inline constexpr std::size_t kMaxTomlDots = std::size_t{1} << 16;
 
 /// Parses TOML; the one place where any is. What is too large, nested too deep or no TOML is an
 /// `error` (bad_data, or config for configuration files) that names `name`, which stands for the

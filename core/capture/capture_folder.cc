@@ -2,6 +2,7 @@
 
 #include <iterator>
 
+#include "core/base/is_there.h"
 #include "core/base/toml_fields.h"
 #include "core/camera/kalibr.h"
 
@@ -49,7 +50,7 @@ class FolderReader {
 
   Status read_capture_toml() {
     const fs::path path = capture_.path / "capture.toml";
-    if (!exists(path)) return {};
+    if (!is_there(path)) return {};
     const auto table = read_toml(path);
     if (!table) return tl::make_unexpected(table.error());
     TomlFields fields(*table, path.string());
@@ -66,8 +67,9 @@ class FolderReader {
   }
 
   Status find_tables() {
-    if (auto path = capture_.path / "detections.csv"; exists(path)) capture_.detections_csv = path;
-    if (auto path = capture_.path / "survey.toml"; exists(path)) capture_.survey_toml = path;
+    if (auto path = capture_.path / "detections.csv"; is_there(path))
+      capture_.detections_csv = path;
+    if (auto path = capture_.path / "survey.toml"; is_there(path)) capture_.survey_toml = path;
     return {};
   }
 
@@ -86,11 +88,6 @@ class FolderReader {
     capture_.stamps_from_names = list->stamps_from_names;
     std::move(list->notes.begin(), list->notes.end(), std::back_inserter(capture_.notes));
     return {};
-  }
-
-  static bool exists(const fs::path& path) {
-    std::error_code ignored;
-    return fs::exists(path, ignored);
   }
 
   CaptureFolder capture_;

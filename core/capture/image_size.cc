@@ -9,7 +9,8 @@ Status check_image_size(ImageSize found, std::optional<ImageSize> expected) {
                 "this size",
                 found.width_px, found.height_px, expected->width_px, expected->height_px);
   }
-  if (found.width_px * found.height_px > kMaxImagePixels) {
+  // The product of what a header may state need not fit.
+  if (found.height_px > 0 && found.width_px > kMaxImagePixels / found.height_px) {
     return fail(ErrorKind::bad_data, "{}×{} px; more than 200 megapixels", found.width_px,
                 found.height_px);
   }

@@ -17,7 +17,8 @@ namespace waymark {
 namespace {
 
 constexpr int kFastestCompression = 1;
-/// Texts, profiles and EXIF blocks, each and together, unpacked.
+/// Of texts, profiles and EXIF blocks each and together, unpacked. The library asks for as much
+/// again as it has, so that one of more than half of this is refused.
 constexpr std::size_t kLargestChunk = std::size_t{8} << 20;
 constexpr std::size_t kAllChunks = std::size_t{16} << 20;
 

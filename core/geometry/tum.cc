@@ -18,16 +18,21 @@ constexpr std::size_t kMaxBytes = std::size_t{1} << 30;
 /// As of markers in maps.
 constexpr double kMaxPosition_m = 1e6;
 
-/// Fields between white space; the comment after a `#` is no field.
-std::vector<std::string_view> fields_of(std::string_view line) {
+/// A line's fields between white space; the comment after a `#` is no field.
+struct Fields {
+  std::array<std::string_view, 8> texts;  ///< the first of them
+  std::size_t count = 0;
+};
+
+Fields fields_of(std::string_view line) {
   line = line.substr(0, line.find('#'));
-  std::vector<std::string_view> fields;
-  for (;;) {
+  Fields fields;
+  for (;; ++fields.count) {
     const std::size_t begin = line.find_first_not_of(kWhiteSpace);
     if (begin == std::string_view::npos) return fields;
     line.remove_prefix(begin);
     const std::size_t end = std::min(line.find_first_of(kWhiteSpace), line.size());
-    fields.push_back(line.substr(0, end));
+    if (fields.count < fields.texts.size()) fields.texts[fields.count] = line.substr(0, end);
     line.remove_prefix(end);
   }
 }
@@ -39,26 +44,26 @@ std::optional<double> number_from(std::string_view text) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-Expected<TumPose> pose_from(const std::vector<std::string_view>& fields) {
-  if (fields.size() != 8) {
+Expected<TumPose> pose_from(const Fields& fields) {
+  if (fields.count != fields.texts.size()) {
     return fail(ErrorKind::bad_data, "{} fields instead of 8 (key tx ty tz qx qy qz qw)",
-                fields.size());
+                fields.count);
   }
   std::array<double, 7> v{};
   for (std::size_t i = 0; i < v.size(); ++i) {
-    const auto value = number_from(fields[i + 1]);
-    if (!value) return fail(ErrorKind::bad_data, "'{}' is no finite number", fields[i + 1]);
+    const auto value = number_from(fields.texts[i + 1]);
+    if (!value) return fail(ErrorKind::bad_data, "'{}' is no finite number", fields.texts[i + 1]);
     v[i] = *value;
     if (i < 3 && std::abs(v[i]) > kMaxPosition_m) {
       return fail(ErrorKind::bad_data, "position of {} m, beyond 1000 km; positions are in metres",
-                  fields[i + 1]);
+                  fields.texts[i + 1]);
     }
   }
   const Eigen::Quaterniond rotation(v[6], v[3], v[4], v[5]);
   if (!(std::abs(rotation.norm() - 1) <= 0.01)) {
     return fail(ErrorKind::bad_data, "quaternion of norm {:.6g} instead of 1", rotation.norm());
   }
-  return TumPose{std::string(fields[0]),
+  return TumPose{std::string(fields.texts[0]),
                  {rotation.normalized(), Eigen::Vector3d(v[0], v[1], v[2])}};
 }
 
@@ -78,7 +83,7 @@ Expected<std::vector<TumPose>> parse_tum(std::string_view text, const std::strin
     const std::size_t end = std::min(rest.find('\n'), rest.size());
     const auto fields = fields_of(rest.substr(0, end));
     rest.remove_prefix(std::min(end + 1, rest.size()));
-    if (fields.empty()) continue;
+    if (fields.count == 0) continue;
     auto pose = pose_from(fields);
     if (!pose) {
       return fail(ErrorKind::bad_data, "{}: line {}: {}", name, line_number, pose.error().message);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 
+#include "core/base/is_there.h"
 #include "core/geometry/tum.h"
 
 namespace waymark {
@@ -28,8 +29,7 @@ Expected<std::map<MarkerId, Rigid3>> read_markers(const fs::path& path,
 std::optional<fs::path> first_there(const fs::path& folder,
                                     std::initializer_list<const char*> names) {
   for (const char* name : names) {
-    std::error_code ignored;
-    if (fs::exists(folder / name, ignored)) return folder / name;
+    if (is_there(folder / name)) return folder / name;
   }
   return std::nullopt;
 }

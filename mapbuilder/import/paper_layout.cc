@@ -5,6 +5,7 @@
 #include <string>
 #include <tuple>
 
+#include "core/base/is_there.h"
 #include "core/base/text_field.h"
 #include "core/base/toml_text.h"
 #include "core/camera/image_sizes.h"
@@ -16,11 +17,6 @@ namespace waymark {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 /// The paper writes type = 'aruco', family = '4x4_1000'; our names are taken as well.
 std::optional<Family> paper_family(const std::string& type, const std::string& family) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tests/support/peak_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -62,8 +63,10 @@ TEST(TomlText, WhatNestsTooDeepIsRefusedBeforeItIsParsed) {
       EXPECT_THAT(table.error().message, testing::StartsWith("x.toml: "));
     }
   }
-  EXPECT_EQ(parse_toml("first = 1\n" + nested(20).front(), "x.toml").error().message,
-            "x.toml: line 2: nested deeper than 16 levels; this is not such a file");
+  EXPECT_EQ(
+      parse_toml("first = 1\n" + nested(20).front(), "x.toml").error().message,
+      "x.toml: line 2: nested deeper than 16 levels, or more than 65536 dots; this is not such a "
+      "file");
 }
 
 TEST(TomlText, WhatNestsAsDeepAsAllowedIsTaken) {
@@ -97,6 +100,42 @@ TEST(TomlText, LargerThanAMebibyteIsRefused) {
   const TemporaryFolder folder;
   EXPECT_TRUE(read_toml(folder.write("x.toml", text)));
   EXPECT_FALSE(read_toml(folder.write("x.toml", text + ".")));
+}
+
+/// As many lines as fit, each with a number between `before` and `behind`.
+std::string numbered(const std::string& before, const std::string& behind, std::size_t bytes) {
+  std::string text;
+  for (int i = 0; text.size() + 64 < bytes; ++i) text += before + std::to_string(i) + behind;
+  return text;
+}
+
+TEST(TomlText, DotsAreCounted) {
+  const std::string line = "x = [" + repeated("0.5, ", 64) + "]\n";
+  std::string text;
+  for (int i = 0; i < 1024; ++i) text += "a" + std::to_string(i) + line;
+  EXPECT_TRUE(parse_toml(text, "x.toml"));
+  EXPECT_FALSE(parse_toml(text + "b = 0.5\n", "x.toml"));
+}
+
+TEST(TomlText, NoTextTakesMoreThanFiftyMegabytesAndTwentyTimesItsLength) {
+  constexpr std::size_t kRoom = kMaxTomlBytes - 100;
+  const std::string parts = repeated(".a", 14) + "=0\n";
+  const std::string texts[] = {
+      "x = [" + repeated("0,", kRoom / 2) + "]\n",
+      "x = [" + repeated("[],", kRoom / 3) + "]\n",
+      "x = [" + repeated("{},", kRoom / 3) + "]\n",
+      "x = [" + repeated(repeated("{a=", 15) + "0" + repeated("}", 15) + ",", kRoom / 62) + "]\n",
+      repeated("[[a]]\n", kRoom / 6),
+      numbered("k", "=0\n", kRoom),
+      numbered("[k", "]\n", kRoom),
+      numbered("k", parts, kRoom),
+      numbered("k", parts, kRoom / 8) + "x = [" + repeated("{},", kRoom / 4) + "]\n",
+      "x = \"" + repeated("\\n", kRoom / 2) + "\"\n",
+  };
+  for (const std::string& text : texts) {
+    const std::size_t peak = test::peak_memory([&] { (void)parse_toml(text, "x.toml"); });
+    EXPECT_LT(peak, 50'000'000 + 20 * text.size()) << text.substr(0, 40);
+  }
 }
 
 TEST(TomlText, AbsentFileIsNoInput) {

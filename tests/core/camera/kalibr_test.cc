@@ -5,6 +5,7 @@
 
 #include <ostream>
 
+#include "tests/support/peak_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -267,6 +268,8 @@ TEST(Kalibr, ImagesOfMoreThanTwoHundredMegapixelsInAllAreRefused) {
   EXPECT_THAT(message_of(sized(1, "20001, 10000")), HasSubstr("200 megapixels in all"));
   EXPECT_THAT(message_of(sized(1, "100000, 100000")),
               AllOf(StartsWith("rig.yaml: "), HasSubstr("100000×100000")));
+  EXPECT_EQ(message_of(sized(1, "100000, 2000")), "no error");
+  EXPECT_THAT(message_of(sized(1, "100001, 10")), HasSubstr("resolution"));
   EXPECT_EQ(message_of(sized(5, "8000, 5000")), "no error");
   EXPECT_THAT(message_of(sized(6, "8000, 5000")), StartsWith("rig.yaml: cam5: "));
 }
@@ -279,13 +282,31 @@ TEST(Kalibr, DepthAndSizeAreBounded) {
       EXPECT_THAT(message_of(text), StartsWith("rig.yaml: ")) << level << " " << levels;
     }
   }
+  const auto nested = [](std::size_t levels) {
+    return chain() + "  further: " + std::string(levels, '[') + std::string(levels, ']') + "\n";
+  };
+  EXPECT_EQ(message_of(nested(400)), "no error");
+  EXPECT_THAT(message_of(nested(600)), StartsWith("rig.yaml: "));
   std::string steps;
   for (int i = 0; i < 1'400; ++i) steps += std::string(static_cast<std::size_t>(i), ' ') + "a:\n";
   EXPECT_THAT(message_of(steps), StartsWith("rig.yaml: "));
   const std::string comment = chain() + "#";
   const std::string most = comment + std::string(kMaxCamchainBytes - comment.size(), ' ');
   EXPECT_EQ(message_of(most), "no error");
-  EXPECT_THAT(message_of(most + " "), HasSubstr("larger than 1048576 bytes"));
+  EXPECT_THAT(message_of(most + " "), HasSubstr("larger than 196608 bytes"));
+}
+
+TEST(Kalibr, NoTextTakesMoreThanFiftyMegabytesAndTwentyTimesItsLength) {
+  for (const char* item :
+       {"0,", "[],", "{},", "[", "{", "a: 0,", "? ,", "\"\",", "!!a 0,", "&a 0,"}) {
+    std::string text = chain() + "  further: ";
+    const bool keys = std::string_view(item).find(':') != std::string_view::npos;
+    text += keys ? "{" : "[";
+    while (text.size() + 10 < kMaxCamchainBytes) text += item;
+    text += keys ? "}\n" : "]\n";
+    const std::size_t peak = test::peak_memory([&] { (void)parse_camchain(text, "rig.yaml"); });
+    EXPECT_LT(peak, 50'000'000 + 20 * text.size()) << item;
+  }
 }
 
 TEST(Kalibr, FilesAreReadAndAbsentOnesNoInput) {

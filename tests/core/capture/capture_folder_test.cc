@@ -87,6 +87,17 @@ TEST_F(Capture, CaptureTomlIsRead) {
   EXPECT_TRUE(capture.monotonic);
 }
 
+TEST_F(Capture, AnOptionalFileThatIsALinkToNothingIsNotAbsent) {
+  make(1);
+  folder_.write("detections.csv", kHeader);
+  for (const char* target : {"capture.toml", "nothing-there"}) {  // in a circle, nowhere
+    std::filesystem::create_symlink(target, folder_.path() / "capture.toml");
+    expect_failure(ErrorKind::no_input, "capture.toml: can't open");
+    std::filesystem::remove(folder_.path() / "capture.toml");
+  }
+  EXPECT_TRUE(open());
+}
+
 TEST_F(Capture, WrongCaptureTomlIsBadData) {
   make(1);
   folder_.write("detections.csv", kHeader);

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/support/peak_memory.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_pattern.h"
 
@@ -95,6 +98,35 @@ TEST(ImageFile, WhatNoImageOfTheRigsSizeNeedsIsNotRead) {
   const auto sparse = folder.write("2.jpg", "");
   std::filesystem::resize_file(sparse, std::size_t{1} << 31);
   EXPECT_EQ(read_gray_image(sparse).error().kind, ErrorKind::bad_data);
+}
+
+/// In colour, complete only after its last scan.
+std::string progressive_jpeg(int width_px, int height_px) {
+  std::vector<std::uint8_t> bytes;
+  const cv::Mat picture(height_px, width_px, CV_8UC3, cv::Scalar(90, 120, 40));
+  EXPECT_TRUE(cv::imencode(".jpg", picture, bytes, {cv::IMWRITE_JPEG_PROGRESSIVE, 1}));
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(ImageFile, AnImageTakesTheMemoryOfItsPixelsBesideItsFile) {
+  const TemporaryFolder folder;
+  const ImageSize size{4000, 3000};
+  const std::size_t pixels = std::size_t{4000} * 3000;
+  const GrayImage image = test_pattern(4000, 3000);
+  for (const char* name : {"1.jpg", "1.png", "1.pgm"}) {
+    ASSERT_TRUE(write_gray_image(folder.path() / name, image.view()));
+  }
+  folder.write("2.jpg", progressive_jpeg(4000, 3000));
+  constexpr std::size_t kFew = 4'000'000;  // tables and buffers of libraries
+  for (const auto& [name, bytes_per_pixel] :
+       {std::pair("1.jpg", 1U), {"1.png", 1U}, {"1.pgm", 1U}, {"2.jpg", 7U}}) {
+    const auto file = folder.path() / name;
+    bool taken = false;
+    const std::size_t peak =
+        test::peak_memory([&] { taken = read_gray_image(file, size).has_value(); });
+    EXPECT_TRUE(taken) << name;
+    EXPECT_LT(peak, bytes_per_pixel * pixels + std::filesystem::file_size(file) + kFew) << name;
+  }
 }
 
 TEST(ImageFile, FormatsThatAreNotReadAreNamed) {

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <opencv2/imgcodecs.hpp>
 
+#include "core/capture/jpeg_segments.h"
 #include "tests/support/exif_block.h"
 #include "tests/support/test_pattern.h"
 
@@ -198,7 +199,10 @@ TEST(Jpeg, ProgressiveFilesAreRead) {
 }
 
 TEST(Jpeg, MoreScansThanProgramsWriteAreRefused) {
-  for (const int scans : {20, 400, 20'000}) {
+  const int own = walk_jpeg(progressive_jpeg(0), 20).scans;
+  // One that repeats a scan is damaged, but that is found when it is decoded.
+  EXPECT_THAT(decode_jpeg(progressive_jpeg(20 - own)).error().message, HasSubstr("damaged"));
+  for (const int scans : {21 - own, 400, 20'000}) {
     const auto loaded = decode_jpeg(progressive_jpeg(scans));
     ASSERT_FALSE(loaded) << scans;
     EXPECT_THAT(loaded.error().message, HasSubstr("more than 20 scans"));

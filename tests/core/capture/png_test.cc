@@ -6,9 +6,9 @@
 
 #include <algorithm>
 #include <opencv2/imgcodecs.hpp>
-#include <random>
 
 #include "tests/support/exif_block.h"
+#include "tests/support/libpng_image.h"
 #include "tests/support/test_pattern.h"
 
 namespace waymark {
@@ -38,46 +38,6 @@ std::string chunk(const std::string& type, const std::string& data) {
 
 constexpr std::size_t kAfterHeader = 8 + 25;  ///< signature and IHDR chunk
 
-constexpr int kWidth = 19;  ///< of libpng's images; no multiple of an interlaced pass's steps
-constexpr int kHeight = 13;
-
-/// Random samples of one kind.
-std::string libpng_png(int kind, int depth, int interlace) {
-  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
-  png_infop info = png_create_info_struct(png);
-  std::string bytes;
-  png_set_write_fn(
-      png, &bytes,
-      [](png_structp from, png_bytep data, std::size_t size) {
-        static_cast<std::string*>(png_get_io_ptr(from))
-            ->append(reinterpret_cast<const char*>(data), size);
-      },
-      nullptr);
-  png_set_IHDR(png, info, kWidth, kHeight, depth, kind, interlace, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
-  std::mt19937 random(5);
-  if (kind == PNG_COLOR_TYPE_PALETTE) {
-    std::vector<png_color> palette(std::size_t{1} << depth);
-    for (png_color& color : palette) {
-      color = {static_cast<png_byte>(random()), static_cast<png_byte>(random()),
-               static_cast<png_byte>(random())};
-    }
-    png_set_PLTE(png, info, palette.data(), static_cast<int>(palette.size()));
-  }
-  png_write_info(png, info);
-  std::vector<std::vector<png_byte>> rows(kHeight,
-                                          std::vector<png_byte>(png_get_rowbytes(png, info)));
-  std::vector<png_bytep> pointers;
-  for (auto& row : rows) {
-    for (png_byte& byte : row) byte = static_cast<png_byte>(random());
-    pointers.push_back(row.data());
-  }
-  png_write_image(png, pointers.data());
-  png_write_end(png, info);
-  png_destroy_write_struct(&png, &info);
-  return bytes;
-}
-
 /// Read by libpng: the upper 8 of 16 bits, without alpha, colours by the same weights.
 std::vector<std::uint8_t> libpng_gray(std::string bytes) {
   png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
@@ -92,8 +52,8 @@ std::vector<std::uint8_t> libpng_gray(std::string bytes) {
   const std::size_t channels = png_get_channels(png, info);
   png_bytepp rows = png_get_rows(png, info);
   std::vector<std::uint8_t> gray;
-  for (int y = 0; y < kHeight; ++y) {
-    for (std::size_t x = 0; x < kWidth; ++x) {
+  for (int y = 0; y < kPngHeight; ++y) {
+    for (std::size_t x = 0; x < kPngWidth; ++x) {
       const png_byte* pixel = rows[y] + x * channels;
       gray.push_back(channels == 1
                          ? pixel[0]
@@ -183,14 +143,21 @@ TEST(Png, AnotherSizeThanExpectedIsRefusedBeforePixelsAreDecoded) {
 }
 
 TEST(Png, TextsThatUnpackToMoreThanAnImageHoldsAreRefused) {
-  std::vector<Bytef> zeros(64 << 20, 0);
-  uLongf size = compressBound(zeros.size());
-  std::vector<Bytef> packed(size);
-  ASSERT_EQ(compress(packed.data(), &size, zeros.data(), zeros.size()), Z_OK);
-  std::string bytes = *encode_png(test_pattern(8, 8).view());
-  bytes.insert(kAfterHeader, chunk("zTXt", std::string("a\0\0", 3) +
-                                               std::string(packed.begin(), packed.begin() + size)));
-  EXPECT_FALSE(decode_png(bytes));
+  const auto with_texts = [](std::size_t length, int count) {
+    const std::vector<Bytef> zeros(length, 0);
+    uLongf size = compressBound(zeros.size());
+    std::vector<Bytef> packed(size);
+    EXPECT_EQ(compress(packed.data(), &size, zeros.data(), zeros.size()), Z_OK);
+    const std::string text =
+        chunk("zTXt", std::string("a\0\0", 3) + std::string(packed.begin(), packed.begin() + size));
+    std::string bytes = *encode_png(test_pattern(8, 8).view());
+    for (int i = 0; i < count; ++i) bytes.insert(kAfterHeader, text);
+    return bytes;
+  };
+  EXPECT_TRUE(decode_png(with_texts(3'900'000, 4)));
+  EXPECT_FALSE(decode_png(with_texts(4'300'000, 1)));
+  EXPECT_FALSE(decode_png(with_texts(3'900'000, 5)));
+  EXPECT_FALSE(decode_png(with_texts(64 << 20, 1)));
 }
 
 TEST(Png, GammaChunkLeavesTheStoredValues) {

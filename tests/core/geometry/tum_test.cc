@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "tests/support/peak_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -67,10 +68,25 @@ TEST_F(Tum, PositionsLieWithinAThousandKilometres) {
 
 TEST_F(Tum, AFileLargerThanAnyTrajectoryIsRefusedUnread) {
   const auto path = folder_.write("long.tum", "");
-  std::filesystem::resize_file(path, (std::uintmax_t{1} << 30) + 1);  // a hole: it takes no disk
-  const auto poses = read_tum(path);
-  ASSERT_FALSE(poses);
-  EXPECT_EQ(poses.error().kind, ErrorKind::bad_data);
+  const auto refusal_of = [&](std::uintmax_t bytes) {
+    std::filesystem::resize_file(path, bytes);  // a hole: it takes no disk
+    const auto poses = read_tum(path);
+    return poses ? "accepted" : poses.error().message;
+  };
+  constexpr std::uintmax_t kLargest = std::uintmax_t{1} << 30;
+  // Not for its size: for the hole that it is.
+  EXPECT_THAT(refusal_of(kLargest), HasSubstr("sparse"));
+  EXPECT_THAT(refusal_of(kLargest + 1), HasSubstr("larger than"));
+}
+
+TEST_F(Tum, FieldsThatNobodyAskedForTakeNoMemory) {
+  std::string line;
+  for (int i = 0; i < 2'000'000; ++i) line += "1 ";
+  const auto path = folder_.write("wide.tum", line);
+  std::string refusal;
+  const std::size_t peak = test::peak_memory([&] { refusal = read_tum(path).error().message; });
+  EXPECT_THAT(refusal, HasSubstr("2000000 fields instead of 8"));
+  EXPECT_LT(peak, 4 * line.size());
 }
 
 TEST_F(Tum, AbsentFileIsNoInput) {

@@ -102,6 +102,14 @@ TEST(CalibJson, DepthTakesNoStack) {
   }
 }
 
+TEST(CalibJson, LargerThanAMebibyteIsRefused) {
+  const std::string calib = R"({"fx": 600, "fy": 600, "cx": 320, "cy": 240, "dist": []})";
+  const std::string most = calib + std::string((std::size_t{1} << 20) - calib.size(), ' ');
+  const TemporaryFolder folder;
+  EXPECT_TRUE(read_calib_json(folder.write("calib.json", most)));
+  EXPECT_FALSE(read_calib_json(folder.write("calib.json", most + " ")));
+}
+
 TEST(CalibJson, AbsentFileIsNoInput) {
   const TemporaryFolder folder;
   EXPECT_EQ(read_calib_json(folder.path() / "calib.json").error().kind, ErrorKind::no_input);

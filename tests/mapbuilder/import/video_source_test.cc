@@ -175,6 +175,29 @@ TEST_F(VideoInput, APictureOfAnotherSizeOnTheWayEndsWithAClearError) {
   }
 }
 
+TEST_F(VideoInput, PicturesFarLargerThanTheContainerSaysAreNotDecoded) {
+  const auto open_with = [&](int width, int height) {
+    const fs::path path = folder_.path() / "a.mkv";
+    test::VideoWriter writer(path);
+    for (int i = 0; i < 3; ++i) writer.write(GrayImage(64, 48, 100).view(), i);
+    writer.write(GrayImage(width, height, 100).view(), 3);
+    return path;
+  };
+  const auto end_of = [](VideoSource& source) {
+    Expected<std::optional<VideoFrame>> frame = source.next();
+    while (frame && *frame) frame = source.next();
+    return frame;
+  };
+  // 16 mebipixels are decoded, and found to be of another size.
+  const auto largest = open_videos({open_with(4096, 4096)}, rig(1), {});
+  ASSERT_TRUE(largest);
+  EXPECT_FALSE(end_of(**largest));
+  const auto larger = open_videos({open_with(4112, 4096)}, rig(1), {});
+  ASSERT_TRUE(larger);
+  EXPECT_TRUE(end_of(**larger));
+  EXPECT_THAT((*larger)->notes(), testing::Contains(HasSubstr("1 frames are damaged")));
+}
+
 TEST_F(VideoInput, LumaReachesFromBlackToWhiteInEitherRange) {
   for (const char* codec : {"mjpeg", "mpeg4"}) {  // full range; 16 to 235, which is stated nowhere
     const fs::path path = folder_.path() / "a.avi";
