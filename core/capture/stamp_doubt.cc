@@ -1,5 +1,7 @@
 #include "core/capture/stamp_doubt.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <map>
 #include <string_view>
