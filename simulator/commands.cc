@@ -29,6 +29,8 @@ void add_capture_options(CLI::App& command, Options& options) {
       ->required();
   command.add_option("--positions", options.job.positions, "Positions along the way [the scene's]")
       ->check(CLI::Range(1, 1'000'000));
+  command.add_option("--speed-mps", options.speed_mps, "Along the way [the scene's]")
+      ->check(number_in({0.001, 50}));
   command.add_option("--seed", options.job.seed, "Of everything random")->capture_default_str();
   command.add_option("--threads", options.job.threads, "0: all processors")
       ->check(CLI::Range(0, 1024))
@@ -130,8 +132,9 @@ int run_list() {
 }
 
 int run_render(const RenderOptions& options, const std::atomic<bool>& stop) {
-  const auto scene = load_scene(options.scene);
+  auto scene = load_scene(options.scene);
   if (!scene) return report(scene.error());
+  scene->trajectory.speed_mps = options.speed_mps.value_or(scene->trajectory.speed_mps);
   const auto rig = load_rig(options.rig);
   if (!rig) return report(rig.error());
   RenderJob job = options.job;
@@ -146,8 +149,9 @@ int run_render(const RenderOptions& options, const std::atomic<bool>& stop) {
 }
 
 int run_detections(const DetectionsOptions& options, const std::atomic<bool>& stop) {
-  const auto scene = load_scene(options.scene);
+  auto scene = load_scene(options.scene);
   if (!scene) return report(scene.error());
+  scene->trajectory.speed_mps = options.speed_mps.value_or(scene->trajectory.speed_mps);
   const auto rig = load_rig(options.rig);
   if (!rig) return report(rig.error());
   DetectionsJob job = options.job;

@@ -16,6 +16,7 @@ struct RenderOptions {
   std::string level = "still";
   std::string response = "linear";
   std::string format = "jpg";
+  std::optional<double> speed_mps;  ///< in place of the scene's
   RenderJob job;
   /// Deviations from the level, where given.
   std::optional<double> psf_sigma_px, defocus_sigma_px, exposure_ms, readout_ms, vignetting,
@@ -26,6 +27,7 @@ struct RenderOptions {
 /// The command line of `simulator detections`.
 struct DetectionsOptions {
   std::string scene, rig, output;
+  std::optional<double> speed_mps;  ///< in place of the scene's
   DetectionsJob job;
   double stamp_skew_ms = 0;
 };
