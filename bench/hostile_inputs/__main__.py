@@ -31,9 +31,10 @@ LINE_BYTES = 500
 
 
 def is_clear(errors):
-    """One line that says what is wrong, beside notes and progress; nothing that a terminal would obey."""
+    """One line that says what is wrong, beside notes, progress and findings; nothing that a terminal would obey."""
     text = errors.decode("utf-8", "replace")
-    lines = [line for line in text.split("\n") if line.startswith(("locd: ", "mapbuilder: ", "error "))]
+    findings = [line for line in text.split("\n") if line.startswith("error [")]
+    lines = [line for line in text.split("\n") if line.startswith(("locd: ", "mapbuilder: "))] or findings
     printable = all(c >= " " and c != "\x7f" and not "\u202a" <= c <= "\u202e" for line in text.split("\n") for c in line)
     program = max(len("locd: "), len("mapbuilder: "), len("error [intrinsics] "))
     return len(lines) == 1 and printable and all(len(line.encode()) <= LINE_BYTES + program for line in lines)

@@ -7,6 +7,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -109,7 +110,8 @@ bool ControlSocket::serve(Client& client, const Handler& handler, Stamp now) {
       if (::send(client.descriptor.get(), line.data(), line.size(), MSG_NOSIGNAL) < 0) return false;
     }
     const auto end = client.received.find('\n');
-    if (end == std::string::npos) return says_more && client.received.size() <= kMaxRequest;
+    if (std::min(end, client.received.size()) > kMaxRequest) return false;
+    if (end == std::string::npos) return says_more;
     client.answer = handler(trimmed(std::string_view(client.received).substr(0, end)));
     client.received.erase(0, end + 1);
   }

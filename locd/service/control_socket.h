@@ -22,7 +22,7 @@ class ControlSocket {
   /// Takes a request, without its line end; gives what to ask for the answer.
   using Handler = std::function<Answer(std::string_view request)>;
   static constexpr std::size_t kMaxClients = 8;
-  static constexpr std::size_t kMaxRequest = 256;
+  static constexpr std::size_t kMaxRequest = 256;  ///< bytes; who sends a longer line is cut off
 
   /// Listens at `path`, in place of what a dead process left there. Errors: cant_create,
   /// permission.

@@ -122,6 +122,20 @@ TEST(ControlSocket, TakesThePlaceOfADeadOneAndGoesAtTheEnd) {
   EXPECT_FALSE(std::filesystem::exists(tmp.path() / "control"));
 }
 
+TEST(ControlSocket, ALineOfMoreThanARequestsBytesIsNotHandled) {
+  const TemporaryFolder tmp;
+  auto socket = ControlSocket::open(tmp.path() / "control");
+  ASSERT_TRUE(socket);
+  const std::string most(ControlSocket::kMaxRequest, 'x');
+  const Client client(tmp.path() / "control");
+  client.send(most + "\nstop\n");
+  socket->serve(echo, kNow);
+  EXPECT_EQ(client.receive(), "ok " + most + "\nok stop\n");
+  client.send("x" + most + "\nstop\n");
+  socket->serve(echo, kNow);
+  EXPECT_EQ(client.receive(), "");
+}
+
 TEST(ControlSocket, EndlessRequestsAndManyClientsHurtNobody) {
   const TemporaryFolder tmp;
   auto socket = ControlSocket::open(tmp.path() / "control");
