@@ -29,7 +29,6 @@ struct Format {
   std::vector<std::string> seeds;  ///< inputs that are taken
   std::vector<std::string> words;  ///< what the form is made of, for libFuzzer
   Reader read;
-  int inputs = 4000;  ///< damaged ones that damaged_inputs_test tries
 };
 
 [[nodiscard]] inline std::vector<Format>& formats() {

@@ -32,6 +32,7 @@ int main(int argc, char** argv) {
       std::ofstream(folder / format.name / std::to_string(i), std::ios::binary) << format.seeds[i];
     }
     std::ofstream dictionary(folder / (format.name + ".dict"), std::ios::binary);
+    dictionary << "# " << format.name << '\n';  // libFuzzer refuses an empty one
     for (const std::string& word : format.words) dictionary << quoted(word);
   }
   return 0;

@@ -26,8 +26,7 @@ const AddFormat capture_toml(
       "software = \"locd 1.0\"\n"},
      {"clock", "\"realtime\"", "\"monotonic\"", "session", "sync_tolerance_us", "codec", "software",
       "9223372036854775807"},
-     reader(open_with),
-     500});
+     reader(open_with)});
 
 }  // namespace
 }  // namespace waymark::test

@@ -29,8 +29,7 @@ const AddFormat detections_csv(
           "5,cam0,3,1,1,9,1,9,9,1,9,1,0.1,0,0.2,1,0,1,1,0,1,1e-6,-2e-7,1e-6\n"},
      {"t_ns", "camera", "marker_id", "hamming", "family", "tag36h11:", "sxx0", ";", "\t", "\"",
       "1.7e18", "1700000000", "\xFF\xFE", "# detector=x markers="},
-     reader(read_table),
-     1000});
+     reader(read_table)});
 
 }  // namespace
 }  // namespace waymark::test

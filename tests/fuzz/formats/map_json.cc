@@ -19,8 +19,7 @@ const AddFormat map_json({"MapJson",
                            "null", "true", "4294967308", "1e308", "-0.0"},
                           reader([](const std::string& text) {
                             return parse_map_json(text, "map.json");
-                          }),
-                          1000});
+                          })});
 
 }  // namespace
 }  // namespace waymark::test

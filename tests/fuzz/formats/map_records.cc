@@ -3,6 +3,7 @@
 #include "core/map/map_check.h"
 #include "core/map/map_file.h"
 #include "tests/fuzz/format.h"
+#include "tests/fuzz/golden_map.h"
 #include "tests/support/small_map.h"
 
 namespace waymark::test {
@@ -17,11 +18,17 @@ Expected<MarkerMap> decode(const std::string& payload, std::uint32_t version) {
   return map;
 }
 
-const AddFormat records(
-    {"MapRecords", {encode_records(small_map())}, {}, reader([](const std::string& payload) {
-       (void)decode(payload, 1);
-       return decode(payload, kMapContainerVersion);
-     })});
+/// Records say nothing of their version: either may be the right one.
+Expected<MarkerMap> decode_either(const std::string& payload) {
+  auto map = decode(payload, 1);
+  return map ? map : decode(payload, kMapContainerVersion);
+}
+
+const AddFormat records({"MapRecords",
+                         {encode_records(small_map()), golden_map(1).substr(kContainerHeaderBytes),
+                          golden_map(2).substr(kContainerHeaderBytes)},
+                         {},
+                         reader(decode_either)});
 
 }  // namespace
 }  // namespace waymark::test

@@ -48,8 +48,7 @@ const AddFormat rig_yaml({"Camchain",
                            "...\n"},
                           reader([](const std::string& text) {
                             return parse_camchain(text, "rig.yaml");
-                          }),
-                          2000});
+                          })});
 
 }  // namespace
 }  // namespace waymark::test
