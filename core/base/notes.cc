@@ -20,4 +20,15 @@ std::vector<std::string> shown_notes(const std::vector<std::string>& notes) {
   return lines;
 }
 
+std::string caused_note(Cause cause, const std::string& text) {
+  return fmt::format("[{}] {}", name_of(cause), text);
+}
+
+std::string note_line(const std::string& shown) {
+  const auto end = shown.find(']');
+  const bool caused = shown.starts_with('[') && end != std::string::npos &&
+                      cause_from_name(std::string_view(shown).substr(1, end - 1)).has_value();
+  return fmt::format("note{} {}", caused ? "" : ":", shown);
+}
+
 }  // namespace waymark

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/base/atomic_file.h"
+#include "core/base/notes.h"
 #include "core/base/text_field.h"
 #include "core/camera/foreign_calibration.h"
 #include "core/camera/image_sizes.h"
@@ -112,7 +113,8 @@ Expected<LoadedRig> load(const YAML::Node& given, const std::string& name) {
   const auto foreign = camchain_of_foreign(given, name);
   if (!foreign) return tl::make_unexpected(foreign.error());
   if (*foreign) {
-    loaded.notes.push_back(name + ": another program's calibration, read as a rig of one camera");
+    loaded.notes.push_back(caused_note(
+        Cause::format, name + ": another program's calibration, read as a rig of one camera"));
   }
   const YAML::Node root = *foreign ? **foreign : given;
   const auto nodes = camera_nodes(root, name, loaded.notes);

@@ -156,7 +156,7 @@ Status check_configuration(const DaemonOptions& options) {
   const auto sources = make_sources(*setup);
   if (!sources) return tl::make_unexpected(sources.error());
   for (const std::string& note : shown_notes(setup->notes)) {
-    fmt::print(stderr, "note: {}\n", note);
+    fmt::print(stderr, "{}\n", note_line(note));
   }
   fmt::print("{}\n", describe_route(*parse_lcm_url(setup->config.lcm.url)));
   if (setup->key)

@@ -208,7 +208,7 @@ Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& 
   if (!shown) return tl::make_unexpected(shown.error());
   if (*shown) fmt::print(notes, "note: {}\n", **shown);
   for (const std::string& note : shown_notes(folder.notes)) {
-    fmt::print(notes, "note: {}\n", note);
+    fmt::print(notes, "{}\n", note_line(note));
   }
   if (map->submaps.size() > 1) {
     fmt::print(notes, "note: {} holds {} sub-maps; poses are in the first, the largest\n",

@@ -58,6 +58,12 @@ std::vector<Component> finished_components(const Selection& selection,
   return components;
 }
 
+/// Whether a component is one marker of one frame set: a misreading as likely as a marker, and no
+/// map of anything.
+bool is_lone_sight(const Component& component) {
+  return component.markers.size() == 1 && component.frame_sets.size() == 1;
+}
+
 /// By falling marker count, then first marker.
 void sort_submaps(std::vector<BuiltSubMap>& submaps) {
   std::stable_sort(submaps.begin(), submaps.end(), [](const BuiltSubMap& a, const BuiltSubMap& b) {
@@ -82,7 +88,10 @@ void take_what_is_left(const Selection& selection, std::span<const Component> ma
     if (!markers.contains(m)) result.unmapped.push_back(observations.markers[m]);
   }
   for (const FrameSetIndex f : observations.frame_sets.indices()) {
-    if (selection.used_in(f).empty()) {
+    const auto used = selection.used_in(f);
+    const bool lone_sight =
+        used.size() == 1 && selection.used_of(selection[used.front()].marker).size() == 1;
+    if (used.empty() || (lone_sight && !frame_sets.contains(f))) {
       result.without_markers.push_back(f);
     } else if (!frame_sets.contains(f)) {
       result.unlocalized.push_back(f);
@@ -109,7 +118,10 @@ BuildResult build_map(const Selection& selection, const BuildOptions& options, P
   const IncrementalMapper mapper(selection, options);
   CalibratedEstimate calibrated =
       calibrate(mapper, options, grown_components(mapper, progress), progress);
-  const std::vector<Component> components = finished_components(selection, calibrated);
+  std::vector<Component> components = finished_components(selection, calibrated);
+  if (!std::all_of(components.begin(), components.end(), is_lone_sight)) {
+    std::erase_if(components, is_lone_sight);
+  }
   BuildResult result;
   for (const Component& component : components) {
     result.submaps.push_back(built_submap_of(mapper, calibrated, options, component));

@@ -28,7 +28,8 @@ struct BuildResult {
 
 /// Builds the map of what is selected: components, growth (Algorithm 2), joint adjustment (eq. 11),
 /// reconsideration of flips, outlier gate, survey and refinement, covariances. What shares no
-/// marker is a sub-map each, but for what the survey fixes in its own frame: that is one.
+/// marker is a sub-map each, but for what the survey fixes in its own frame: that is one. A marker
+/// seen once and alone is none, unless there is nothing else.
 [[nodiscard]] BuildResult build_map(const Selection& selection, const BuildOptions& options,
                                     Progress& progress);
 

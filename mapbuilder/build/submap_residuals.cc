@@ -12,6 +12,31 @@ void ResidualSum::add(const std::array<Eigen::Vector2d, 4>& residuals, double mo
   corners += 4;
 }
 
+namespace {
+
+/// Whether two observations show a marker by one camera at one place of the image: nothing moved
+/// between them.
+bool are_one_view(const Observation& a, const Observation& b) {
+  constexpr double kStands_px = 2.0;
+  if (a.camera != b.camera) return false;
+  for (std::size_t i = 0; i < 4; ++i) {
+    if ((a.corners_px[i] - b.corners_px[i]).norm() > kStands_px) return false;
+  }
+  return true;
+}
+
+/// Counts an accepted view by a rig that other markers place as well.
+void count_independent(const Observations& all, ObservationIndex index, MarkerResiduals& marker) {
+  if (!marker.first_independent) {
+    marker.first_independent = index;
+    marker.independent = 1;
+  } else if (!are_one_view(all[*marker.first_independent], all[index])) {
+    ++marker.independent;
+  }
+}
+
+}  // namespace
+
 SubMapResiduals residuals_of(const PreparedObservations& prepared, const Estimate& estimate,
                              std::span<const ObservationIndex> observations) {
   const Observations& all = prepared.observations();
@@ -38,7 +63,7 @@ SubMapResiduals residuals_of(const PreparedObservations& prepared, const Estimat
       continue;
     }
     ++of_marker.accepted;
-    of_marker.independent += accepted_in_set[o.frame_set] >= 2 ? 1 : 0;
+    if (accepted_in_set[o.frame_set] >= 2) count_independent(all, index, of_marker);
     result.inliers.add(*residuals, most_px);
     of_marker.inliers.add(*residuals, most_px);
   }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -35,8 +36,9 @@ struct MarkerResiduals {
   std::uint32_t accepted = 0;
   std::uint32_t rejected = 0;
   /// Accepted views by rigs that other markers place as well: only these can contradict a marker's
-  /// place.
+  /// place. A camera that stands still gives one view, however many images.
   std::uint32_t independent = 0;
+  std::optional<ObservationIndex> first_independent;
 };
 
 /// How well the observations of a sub-map fit.

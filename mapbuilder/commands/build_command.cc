@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <set>
 
 #include "core/base/atomic_file.h"
 #include "core/base/same_file.h"
@@ -42,12 +43,16 @@ void print_summary(const BuildResult& result, std::ostream& out) {
   }
 }
 
+const char* name_of(SurveyUse use) {
+  return use == SurveyUse::fit ? "fit" : use == SurveyUse::check ? "check" : "left out";
+}
+
 void print_survey(const BuildResult& result, std::ostream& out) {
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     for (const SurveyResidual& entry : result.submaps[i].survey) {
       if (!entry.mapped) continue;
       fmt::print(out, "sub-map {}: survey {}: {}: off by {:+.2f} mm ({:.1f} sigma)\n", i,
-                 entry.use == SurveyUse::fit ? "fit" : "check", entry.entry, entry.residual_m * 1e3,
+                 name_of(entry.use), entry.entry, entry.residual_m * 1e3,
                  entry.residual_m / entry.sigma_m);
     }
   }
@@ -61,7 +66,7 @@ std::vector<ReportSurveyEntry> survey_of(const BuildResult& result) {
     entry.entry = residual.entry;
     entry.markers = residual.markers;
     entry.is_point = residual.point;
-    entry.check = residual.use == SurveyUse::check;
+    entry.check = residual.use != SurveyUse::fit;
     entry.sigma_m = residual.sigma_m;
     if (!residual.point) entry.measured_m = residual.measured_m;
     if (residual.mapped) {
@@ -233,21 +238,6 @@ void append(std::vector<Finding> more, std::vector<Finding>& findings) {
   for (Finding& finding : more) findings.push_back(std::move(finding));
 }
 
-/// What the stamps of each capture tell of its cameras' clocks.
-std::vector<Finding> clock_findings(const std::vector<DetectedCapture>& captures) {
-  std::vector<Finding> findings;
-  for (const DetectedCapture& capture : captures) {
-    std::vector<StampedImage> images;
-    for (const ImageDetections& image : capture.images) {
-      images.push_back({image.camera, image.stamp});
-    }
-    std::vector<std::string> cameras;
-    for (const RigCamera& camera : capture.rig.cameras) cameras.push_back(camera.name);
-    append(clock_findings(images, cameras, capture.sync_tolerance), findings);
-  }
-  return findings;
-}
-
 /// What an earlier map and a vehicle's quarantine lead to: the world kept, and findings.
 std::vector<Finding> take_over(const References& references, const BuildCommandOptions& options,
                                bool with_family, BuildResult& result) {
@@ -294,10 +284,14 @@ std::vector<Finding> findings_of(const BuildCommandOptions& options, const Build
                                  DiagnosedBuild& diagnosed) {
   BuildResult& result = diagnosed.result;
   std::vector<Finding> findings = calibration_findings(result, observations, build);
+  std::set<MarkerId> explained;
+  for (const Finding& finding : diagnosed.findings) {
+    explained.insert(finding.markers.begin(), finding.markers.end());
+  }
   append(std::move(diagnosed.findings), findings);
   append(take_over(references, options, observations.several_families(), result), findings);
   if (options.level) append(level_submaps(*options.level, observations, result), findings);
-  append(build_findings(result, observations), findings);
+  append(build_findings(result, observations, explained), findings);
   return findings;
 }
 
@@ -367,6 +361,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   const auto started = std::chrono::steady_clock::now();
   auto explained = build_explained(taken->captures, *std::move(made), observing, build, progress);
   if (!explained) return tl::make_unexpected(explained.error());
+  build.survey = explained->survey;
   const Observations& observations = explained->observations;
   DiagnosedBuild& diagnosed = explained->diagnosed;
   BuildResult& result = diagnosed.result;

@@ -12,7 +12,7 @@ namespace waymark {
 namespace {
 
 void print_notes(const std::vector<std::string>& lines, std::ostream& notes) {
-  for (const std::string& line : shown_notes(lines)) fmt::print(notes, "note: {}\n", line);
+  for (const std::string& line : shown_notes(lines)) fmt::print(notes, "{}\n", note_line(line));
 }
 
 bool is_file(const std::filesystem::path& path) {

@@ -9,6 +9,11 @@
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/trajectory_file.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/diagnosis/baseline_units.h"
+#include "mapbuilder/diagnosis/clock_findings.h"
+#include "mapbuilder/diagnosis/explained_build.h"
+#include "mapbuilder/diagnosis/fit_quality.h"
+#include "mapbuilder/diagnosis/map_causes.h"
 #include "mapbuilder/diagnosis/observation_findings.h"
 #include "mapbuilder/growth/relocalization.h"
 
@@ -34,6 +39,53 @@ void leave_out(const Quarantine& quarantine, MarkerMap& map, std::ostream& notes
              left_out.size(), left_out.empty() ? "" : ": ", fmt::join(left_out, ", "));
 }
 
+void append(std::vector<Finding> more, std::vector<Finding>& findings) {
+  for (Finding& finding : more) findings.push_back(std::move(finding));
+}
+
+/// Whether map and capture contradict each other by more than a marker misread here and there.
+bool is_contradicted(const RelocalizedSubMap& result) {
+  constexpr std::size_t kFew = 2;
+  constexpr std::size_t kOneIn = 200;
+  return result.model_sigma_px > kPoorFit_px ||
+         result.rejected > kFew + result.observations / kOneIn ||
+         10 * result.localized < 9 * result.candidates;
+}
+
+/// Nothing else explains why corners are far off, or most observations rejected.
+Finding unexplained_misfit(const RelocalizedSubMap& result) {
+  Finding finding;
+  finding.severity = Severity::error;
+  finding.cause = Cause::map_misfit;
+  finding.subject = "map";
+  finding.text = fmt::format(
+      "the capture does not fit it: of {} observations {} are rejected, and corners are {:.1f} px "
+      "off.",
+      result.observations, result.rejected, result.rms_all_px);
+  finding.remedy = "Check rig.yaml, sizes and ids, and whether it is the right map.";
+  finding.figures = {{"RMS of all corners", result.rms_all_px, "px", {}}};
+  return finding;
+}
+
+bool is_poor(const RelocalizedSubMap& result) {
+  return result.model_sigma_px >= kLargestModelSigma || 2 * result.rejected > result.observations;
+}
+
+/// Why capture and map do not fit: what a build of the capture alone finds wrong with it, and what
+/// the map that it gives says of the other one.
+Expected<std::vector<Finding>> causes_of_misfit(const std::vector<DetectedCapture>& captures,
+                                                const Observations& observations,
+                                                const ObservationOptions& observing,
+                                                const MarkerMap& map, const BuildOptions& options,
+                                                Progress& progress) {
+  auto own = build_explained(captures, observations, observing, options, progress);
+  if (!own) return tl::make_unexpected(own.error());
+  std::vector<Finding> findings = std::move(own->causes);
+  append(map_findings(map, own->diagnosed.result), findings);
+  append(std::move(own->diagnosed.findings), findings);
+  return findings;
+}
+
 }  // namespace
 
 Status run_localize(const LocalizeOptions& options, Progress& progress, std::ostream& out,
@@ -50,16 +102,23 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
   }
   auto taken = take_captures_in(options.input, progress, notes);
   if (!taken) return tl::make_unexpected(taken.error());
-  const auto made =
-      make_observations(taken->captures, {options.mono, options.input.detect.threads});
+  const ObservationOptions observing{options.mono, options.input.detect.threads};
+  const auto made = make_observations(taken->captures, observing);
   if (!made) return tl::make_unexpected(made.error());
   std::vector<Finding> findings = std::move(taken->findings);
-  for (Finding& finding : observation_findings(*made)) findings.push_back(std::move(finding));
-  findings = judged(std::move(findings), options.rules);
-  print_findings(findings, notes);
-  if (!may_stand(findings, options.rules)) {
+  append(baseline_findings(*made), findings);
+  if (!options.mono) append(clock_findings(taken->captures), findings);
+  append(observation_findings(*made), findings);
+  const auto tell = [&]() -> Status {
+    findings = judged(std::move(findings), options.rules);
+    print_findings(findings, notes);
+    if (may_stand(findings, options.rules)) return {};
     return tl::make_unexpected(
         refusal_of(options.trajectory.string(), findings, "nothing was written"));
+  };
+  if (count_of(Severity::error, judged(findings, options.rules)) > 0) {
+    if (auto stands = tell(); !stands) return stands;
+    findings.clear();
   }
 
   BuildOptions build = options.build;
@@ -67,6 +126,17 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
   const auto results = relocalize(*made, *map, build, progress);
   std::size_t observations = 0;
   for (const RelocalizedSubMap& result : results) observations += result.observations;
+  if (std::any_of(results.begin(), results.end(), is_contradicted)) {
+    auto causes = causes_of_misfit(taken->captures, *made, observing, *map, build, progress);
+    if (!causes) return tl::make_unexpected(causes.error());
+    append(*std::move(causes), findings);
+  }
+  if (count_of(Severity::error, findings) == 0) {
+    for (const RelocalizedSubMap& result : results) {
+      if (is_poor(result)) findings.push_back(unexplained_misfit(result));
+    }
+  }
+  if (auto stands = tell(); !stands) return stands;
   if (observations == 0) {
     return fail(ErrorKind::bad_data,
                 "{}: none of its {} observations is of a marker in {}; is it the right map?",

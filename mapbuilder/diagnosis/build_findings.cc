@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+
 #include "mapbuilder/diagnosis/observation_findings.h"
 
 namespace waymark {
@@ -82,17 +85,45 @@ Finding single_views_found(std::vector<MarkerId> markers, bool with_family) {
   return finding;
 }
 
-Finding unmapped_found(const BuildResult& result, bool with_family) {
+Finding unmapped_found(std::vector<MarkerId> unmapped, bool with_family) {
   Finding finding;
   finding.cause = Cause::few_views;
-  finding.subject = subject_of(result.unmapped, with_family);
+  finding.subject = subject_of(unmapped, with_family);
   finding.text = "seen but not mapped: no pose explains their views.";
   finding.remedy =
       "Check whether they moved or hang twice in the building; else add them to `ignore` in "
       "markers.toml.";
-  finding.figures = {count_figure("markers not mapped", result.unmapped.size())};
-  finding.markers = result.unmapped;
+  finding.figures = {count_figure("markers not mapped", unmapped.size())};
+  finding.markers = std::move(unmapped);
   return finding;
+}
+
+/// Unmapped markers of one sight: as likely misreadings, and no reason to record again.
+Finding lone_sights_found(std::vector<MarkerId> lone, bool with_family) {
+  Finding finding;
+  finding.severity = Severity::note;
+  finding.cause = Cause::few_views;
+  finding.subject = subject_of(lone, with_family);
+  finding.text = "seen once and not mapped: a misreading as likely as a marker.";
+  finding.remedy = "If it hangs there, record it together with its neighbours.";
+  finding.figures = {count_figure("markers seen once", lone.size())};
+  finding.markers = std::move(lone);
+  return finding;
+}
+
+/// Takes out of `markers` those that one frame set alone has seen.
+std::vector<MarkerId> take_lone_sights(const Observations& observations,
+                                       std::vector<MarkerId>& markers) {
+  std::map<MarkerId, std::set<FrameSetIndex>> seen;
+  for (const Observation& o : observations.all) {
+    seen[observations.markers[o.marker]].insert(o.frame_set);
+  }
+  const auto split =
+      std::stable_partition(markers.begin(), markers.end(),
+                            [&](const MarkerId& marker) { return seen[marker].size() != 1; });
+  std::vector<MarkerId> lone(split, markers.end());
+  markers.erase(split, markers.end());
+  return lone;
 }
 
 Finding unlocalized_found(const BuildResult& result, const Observations& observations) {
@@ -138,14 +169,19 @@ void add_submap_findings(const BuiltSubMap& submap, std::size_t index, bool with
 
 }  // namespace
 
-std::vector<Finding> build_findings(const BuildResult& result, const Observations& observations) {
+std::vector<Finding> build_findings(const BuildResult& result, const Observations& observations,
+                                    const std::set<MarkerId>& explained) {
   const bool with_family = observations.several_families();
   std::vector<Finding> findings;
   if (result.submaps.size() > 1) findings.push_back(submaps_found(result));
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     add_submap_findings(result.submaps[i], i, with_family, findings);
   }
-  if (!result.unmapped.empty()) findings.push_back(unmapped_found(result, with_family));
+  std::vector<MarkerId> unmapped = result.unmapped;
+  std::erase_if(unmapped, [&](const MarkerId& marker) { return explained.contains(marker); });
+  auto lone = take_lone_sights(observations, unmapped);
+  if (!unmapped.empty()) findings.push_back(unmapped_found(std::move(unmapped), with_family));
+  if (!lone.empty()) findings.push_back(lone_sights_found(std::move(lone), with_family));
   if (!result.unlocalized.empty()) findings.push_back(unlocalized_found(result, observations));
   for (Finding& finding : observation_findings(observations))
     findings.push_back(std::move(finding));

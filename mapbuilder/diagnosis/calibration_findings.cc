@@ -203,7 +203,9 @@ void name_misfits(const CalibrationResult& calibration, const VariableCalibratio
 
 void name_survey(const BuiltSubMap& submap, std::vector<Finding>& findings) {
   for (const SurveyResidual& entry : submap.survey) {
-    if (!entry.mapped || std::abs(entry.residual_m) <= kSurveySigmas * entry.sigma_m) continue;
+    // What was left out has been named with its cause.
+    if (!entry.mapped || entry.use == SurveyUse::left_out) continue;
+    if (std::abs(entry.residual_m) <= kSurveySigmas * entry.sigma_m) continue;
     Finding finding;
     finding.cause = Cause::survey_entry;
     finding.subject = fmt::format("survey {}", entry.entry);
@@ -305,7 +307,11 @@ std::vector<Finding> calibration_findings(const BuildResult& result,
     }
     for (std::size_t f = first; f < findings.size(); ++f) findings[f].submap = i;
   }
-  if (!options.survey.points.empty()) name_undetermined(result, findings);
+  const auto& points = options.survey.points;
+  if (std::any_of(points.begin(), points.end(),
+                  [](const SurveyedPoint& point) { return point.use == SurveyUse::fit; })) {
+    name_undetermined(result, findings);
+  }
   for (const auto& captures : observations.recalibrated) findings.push_back(rigs_differ(captures));
   return findings;
 }

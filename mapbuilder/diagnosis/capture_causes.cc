@@ -11,6 +11,7 @@
 #include "mapbuilder/diagnosis/fit_quality.h"
 #include "mapbuilder/diagnosis/lens_causes.h"
 #include "mapbuilder/diagnosis/rig_hypotheses.h"
+#include "mapbuilder/diagnosis/unsynchronized.h"
 
 namespace waymark {
 namespace {
@@ -143,7 +144,12 @@ void explain_rigs(const MonoBuild& mono, ExplainedCaptures& explained) {
     const CameraTracks tracks =
         tracks_of(mono.observations, mono.result, c, capture.rig, capture.sync_tolerance);
     const auto explanation = explain_rig(tracks, capture.rig);
-    if (!explanation) continue;
+    if (!explanation) {
+      if (auto finding = leave_out_unsynchronized(tracks, capture)) {
+        add_finding(*std::move(finding), explained.findings);
+      }
+      continue;
+    }
     const Rig stated = capture.rig;
     capture = put_right(capture, *explanation);
     for (const RigExplanation& one : {*explanation, explanation->or_else()}) {

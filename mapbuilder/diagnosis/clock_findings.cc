@@ -197,4 +197,20 @@ std::vector<Finding> clock_findings(std::span<const StampedImage> images,
   return findings;
 }
 
+std::vector<Finding> clock_findings(const std::vector<DetectedCapture>& captures) {
+  std::vector<Finding> findings;
+  for (const DetectedCapture& capture : captures) {
+    std::vector<StampedImage> images;
+    for (const ImageDetections& image : capture.images) {
+      images.push_back({image.camera, image.stamp});
+    }
+    std::vector<std::string> cameras;
+    for (const RigCamera& camera : capture.rig.cameras) cameras.push_back(camera.name);
+    for (Finding& finding : clock_findings(images, cameras, capture.sync_tolerance)) {
+      findings.push_back(std::move(finding));
+    }
+  }
+  return findings;
+}
+
 }  // namespace waymark

@@ -6,6 +6,7 @@
 
 #include "core/capture/frame_set.h"
 #include "mapbuilder/diagnosis/finding.h"
+#include "mapbuilder/observations/detected_capture.h"
 
 namespace waymark {
 
@@ -16,5 +17,8 @@ namespace waymark {
 [[nodiscard]] std::vector<Finding> clock_findings(std::span<const StampedImage> images,
                                                   const std::vector<std::string>& cameras,
                                                   Stamp tolerance);
+
+/// The same of several captures, each on its own.
+[[nodiscard]] std::vector<Finding> clock_findings(const std::vector<DetectedCapture>& captures);
 
 }  // namespace waymark

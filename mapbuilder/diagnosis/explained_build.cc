@@ -1,18 +1,21 @@
 #include "mapbuilder/diagnosis/explained_build.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
 #include "mapbuilder/diagnosis/capture_causes.h"
 #include "mapbuilder/diagnosis/fit_quality.h"
+#include "mapbuilder/diagnosis/map_causes.h"
+#include "mapbuilder/diagnosis/survey_sides.h"
 
 namespace waymark {
 namespace {
 
 /// Whether something that all observations share is wrong.
-bool is_contradicted(const Selection& selection, const BuildResult& plain) {
+bool is_contradicted(const BuildResult& plain, const FitQuality& quality) {
   const CalibrationResult& calibration = plain.calibration;
-  const FitQuality quality = fit_quality(selection, plain);
   return calibration.extrinsics_cost_ratio < kExplainsTooLittle ||
          calibration.intrinsics_cost_ratio < kExplainsTooLittle || quality.contradicts() ||
          quality.joint_px > kPoorFit_px;
@@ -25,33 +28,228 @@ bool explains(const ExplainedCaptures& explained) {
                       [](const Finding& finding) { return finding.cause == Cause::rig_displaced; });
 }
 
+void multiply_sizes(DetectedCapture& capture, double by) {
+  auto entries = capture.catalog.entries();
+  for (auto& entry : entries) {
+    if (entry.default_size_m) *entry.default_size_m *= by;
+    for (auto& [id, size_m] : entry.size_m_by_id) size_m *= by;
+  }
+  capture.catalog = MarkerCatalog(std::move(entries));
+}
+
+void multiply_baselines(DetectedCapture& capture, double by) {
+  for (RigCamera& camera : capture.rig.cameras) camera.rig_from_cam.translation *= by;
+}
+
+bool has_baselines(const DetectedCapture& capture) {
+  return capture.rig.cameras.size() > 1 && capture.rig.has_extrinsics;
+}
+
+/// Of each capture given, the share of its usable observations that the map accepts.
+std::vector<double> held_shares(const Observations& observations, const BuildResult& result) {
+  std::vector<double> held(observations.captures.size(), 0);
+  std::vector<double> all(observations.captures.size(), 0);
+  const auto place_of = [&](ObservationIndex index) {
+    const CaptureIndex c = observations.frame_sets[observations[index].frame_set].capture;
+    return observations.captures[c].place;
+  };
+  for (std::size_t i = 0; i < observations.usable; ++i) ++all[place_of(ObservationIndex(i))];
+  for (const BuiltSubMap& submap : result.submaps) {
+    for (const ObservationResidual& residual : submap.residuals) {
+      if (residual.accepted) ++held[place_of(residual.observation)];
+    }
+  }
+  for (std::size_t c = 0; c < held.size(); ++c) held[c] /= std::max(1.0, all[c]);
+  return held;
+}
+
+Finding other_place(const std::string& kept, const std::string& other) {
+  Finding finding;
+  finding.severity = Severity::error;
+  finding.cause = Cause::other_place;
+  finding.subject = fmt::format("{} and {}", kept, other);
+  finding.text = fmt::format(
+      "they show the same ids in different places: two buildings? {} is left out.", other);
+  finding.remedy = "Build a map of each; give the buildings ids of their own.";
+  finding.captures = {kept, other};
+  return finding;
+}
+
+class ExplainedBuilder {
+ public:
+  ExplainedBuilder(const std::vector<DetectedCapture>& captures, Observations observations,
+                   const ObservationOptions& observing, const BuildOptions& options,
+                   Progress& progress)
+      : stated_(captures),
+        observing_(observing),
+        options_(options),
+        as_stated_(options),
+        progress_(progress),
+        captures_(captures) {
+    // Judged as stated: a refinement would bend rig and lens to whatever else is wrong, a survey
+    // sizes and map.
+    as_stated_.refine = {};
+    as_stated_.survey = {};
+    build_.observations = std::move(observations);
+    build_.survey = options.survey;
+  }
+
+  Expected<ExplainedBuild> build() {
+    build_plainly();
+    if (auto parted = part_places(); !parted) return tl::make_unexpected(parted.error());
+    if (is_contradicted(*plain_, quality_)) {
+      if (auto explained = explain(); !explained) return tl::make_unexpected(explained.error());
+    }
+    if (!options_.survey.empty()) {
+      if (auto held = hold_survey_against_it(); !held) return tl::make_unexpected(held.error());
+    }
+    BuildOptions options = options_;
+    options.survey = build_.survey;
+    const bool takes_more = options.refine.any() || !options.survey.empty();
+    build_.diagnosed = build_and_diagnose(build_.observations, options, {}, progress_,
+                                          takes_more ? std::nullopt : std::move(plain_));
+    if (!z_is_up_) say_that_z_is_not_up();
+    return std::move(build_);
+  }
+
+ private:
+  void build_plainly() {
+    const Selection selection(build_.observations);
+    plain_ = build_map(selection, as_stated_, progress_);
+    quality_ = fit_quality(selection, *plain_);
+    if (!stated_px_) stated_px_ = quality_.joint_px;
+  }
+
+  /// Makes what the captures put right show.
+  Status take(std::vector<DetectedCapture> captures) {
+    auto observations = make_observations(captures, observing_);
+    if (!observations) return tl::make_unexpected(observations.error());
+    captures_ = std::move(captures);
+    build_.observations = *std::move(observations);
+    plain_.reset();
+    return {};
+  }
+
+  /// The map of one capture's own images.
+  Expected<SubMap> map_alone(const DetectedCapture& capture) {
+    const auto alone = make_observations({capture}, observing_);
+    if (!alone) return tl::make_unexpected(alone.error());
+    const BuildResult result = build_map(Selection(*alone), as_stated_, progress_);
+    return result.submaps.empty() ? SubMap{} : result.submaps.front().map;
+  }
+
+  /// Leaves out captures that the map of all does not hold, where their markers stand otherwise to
+  /// each other than those of the capture that it holds best.
+  Status part_places() {
+    if (captures_.size() < 2) return {};
+    constexpr double kHolds = 0.7;
+    const std::vector<double> held = held_shares(build_.observations, *plain_);
+    const auto best =
+        static_cast<std::size_t>(std::max_element(held.begin(), held.end()) - held.begin());
+    if (*std::min_element(held.begin(), held.end()) >= kHolds) return {};
+    const auto reference = map_alone(captures_[best]);
+    if (!reference) return tl::make_unexpected(reference.error());
+    std::vector<DetectedCapture> here;
+    for (std::size_t c = 0; c < captures_.size(); ++c) {
+      bool elsewhere = false;
+      if (c != best && held[c] < kHolds) {
+        const auto alone = map_alone(captures_[c]);
+        if (!alone) return tl::make_unexpected(alone.error());
+        elsewhere = are_of_different_places(*alone, *reference);
+      }
+      if (elsewhere) {
+        build_.causes.push_back(other_place(captures_[best].name, captures_[c].name));
+      } else {
+        here.push_back(captures_[c]);
+      }
+    }
+    if (here.size() == captures_.size()) return {};
+    if (auto taken = take(std::move(here)); !taken) return taken;
+    build_plainly();
+    return {};
+  }
+
+  Status explain() {
+    ExplainedCaptures explained =
+        explain_captures(captures_, quality_.joint_px, as_stated_, progress_);
+    if (!explains(explained)) return {};
+    for (Finding& finding : explained.findings) build_.causes.push_back(std::move(finding));
+    return take(std::move(explained.captures));
+  }
+
+  Status hold_survey_against_it() {
+    if (!plain_) build_plainly();
+    JudgedSurvey judged = judge_survey(options_.survey, *plain_, build_.observations,
+                                       [&](double factor) { return ask_baselines(factor); });
+    build_.survey = std::move(judged.survey);
+    z_is_up_ = judged.z_is_up;
+    if (judged.sizes_times) {
+      if (auto taken = outvote_sizes(*judged.sizes_times); !taken) return taken;
+    }
+    for (Finding& finding : judged.findings) build_.causes.push_back(std::move(finding));
+    return {};
+  }
+
+  /// What explained the captures by sizes against baselines gives way to who outvotes the sizes.
+  Status outvote_sizes(double factor) {
+    const auto is_scale = [](const Finding& finding) { return finding.cause == Cause::size_scale; };
+    const bool scaled = std::erase_if(build_.causes, is_scale) > 0;
+    const bool nothing_else = build_.causes.empty();
+    std::vector<DetectedCapture> captures = nothing_else ? stated_ : captures_;
+    for (DetectedCapture& capture : captures) {
+      multiply_sizes(capture, factor);
+      if (scaled && !nothing_else) multiply_baselines(capture, factor);
+    }
+    return take(std::move(captures));
+  }
+
+  /// Whether the stated rig fits better with sizes so many times those stated, or worse.
+  std::optional<bool> ask_baselines(double factor) {
+    if (observing_.mono || std::none_of(stated_.begin(), stated_.end(), has_baselines)) {
+      return std::nullopt;
+    }
+    std::vector<DetectedCapture> captures = stated_;
+    for (DetectedCapture& capture : captures) multiply_sizes(capture, factor);
+    const auto observations = make_observations(captures, observing_);
+    if (!observations) return std::nullopt;
+    const Selection selection(*observations);
+    const double so_px =
+        fit_quality(selection, build_map(selection, as_stated_, progress_)).joint_px;
+    // Less than a fifth better or worse says nothing.
+    constexpr double kSays = 1.2;
+    if (so_px * kSays < *stated_px_) return true;
+    if (so_px > kSays * *stated_px_) return false;
+    return std::nullopt;
+  }
+
+  void say_that_z_is_not_up() {
+    BuildResult& result = build_.diagnosed.result;
+    for (std::size_t i = 0; i < result.submaps.size(); ++i) {
+      if (result.submaps[i].map.frame != FrameKind::facility) continue;
+      result.submaps[i].map.z_is_up = result.map.submaps[i].z_is_up = false;
+    }
+  }
+
+  const std::vector<DetectedCapture>& stated_;
+  const ObservationOptions observing_;
+  const BuildOptions& options_;
+  BuildOptions as_stated_;
+  Progress& progress_;
+  std::vector<DetectedCapture> captures_;  ///< put right
+  ExplainedBuild build_;
+  std::optional<BuildResult> plain_;  ///< of captures_, nothing refined, no survey
+  FitQuality quality_;                ///< of it
+  std::optional<double> stated_px_;   ///< joint_px of the captures as stated
+  bool z_is_up_ = true;
+};
+
 }  // namespace
 
 Expected<ExplainedBuild> build_explained(const std::vector<DetectedCapture>& captures,
                                          Observations observations,
                                          const ObservationOptions& observing,
                                          const BuildOptions& options, Progress& progress) {
-  ExplainedBuild build;
-  build.observations = std::move(observations);
-  // Judged as stated: a refinement would bend rig and lens to whatever else is wrong.
-  BuildOptions as_stated = options;
-  as_stated.refine = {};
-  const Selection selection(build.observations);
-  std::optional<BuildResult> plain = build_map(selection, as_stated, progress);
-  if (is_contradicted(selection, *plain)) {
-    ExplainedCaptures explained =
-        explain_captures(captures, fit_quality(selection, *plain).joint_px, as_stated, progress);
-    if (explains(explained)) {
-      auto put_right = make_observations(explained.captures, observing);
-      if (!put_right) return tl::make_unexpected(put_right.error());
-      build.observations = *std::move(put_right);
-      build.causes = std::move(explained.findings);
-      plain.reset();
-    }
-  }
-  if (options.refine.any()) plain.reset();
-  build.diagnosed = build_and_diagnose(build.observations, options, {}, progress, std::move(plain));
-  return build;
+  return ExplainedBuilder(captures, std::move(observations), observing, options, progress).build();
 }
 
 }  // namespace waymark

@@ -18,6 +18,15 @@ std::map<CaptureIndex, Stamp> first_seen(const Observations& observations,
   return first;
 }
 
+/// Leaves out all that is seen of a marker.
+void leave_out(const Selection& selection, MarkerIndex marker, Corrections& corrections) {
+  for (const auto indices : {selection.used(), selection.unused()}) {
+    for (const ObservationIndex index : indices) {
+      if (selection[index].marker == marker) corrections.left_out.insert(index);
+    }
+  }
+}
+
 /// Leaves out what is seen of a marker and belongs to no place that the map keeps.
 void leave_out(const Selection& selection, const DisplacedMarker& displaced,
                Corrections& corrections) {
@@ -53,7 +62,22 @@ Corrections corrections_for(const Selection& selection,
     for (const WrongSize& wrong : diagnosis.sizes) {
       corrections.sizes_m[wrong.marker] = wrong.fitted_m;
     }
+    for (const RidingMarker& riding : diagnosis.riding) {
+      leave_out(selection, riding.marker, corrections);
+    }
+    for (const RestlessMarker& restless : diagnosis.restless) {
+      leave_out(selection, restless.marker, corrections);
+    }
+    for (const MovingGroup& group : diagnosis.groups) {
+      for (const MarkerView& view : group.views) corrections.left_out.insert(view.index);
+    }
     for (const WrongId& wrong : diagnosis.wrong_ids) corrections.left_out.insert(wrong.view.index);
+    // What was left out because it had put its marker elsewhere stays out as a stray.
+    for (const WrongId& stray : diagnosis.strays) {
+      if (selection.corrections().left_out.contains(stray.view.index)) {
+        corrections.left_out.insert(stray.view.index);
+      }
+    }
     for (const DisplacedMarker& displaced : diagnosis.displaced) {
       leave_out(selection, displaced, corrections);
     }

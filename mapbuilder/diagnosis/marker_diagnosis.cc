@@ -13,7 +13,12 @@ namespace {
 struct MarkerVerdict {
   std::vector<WrongId> wrong_ids;
   std::optional<DisplacedMarker> displaced;
+  std::optional<RidingMarker> riding;
+  std::optional<RestlessMarker> restless;
   std::vector<MarkerView> strays;  ///< at none of its places
+  /// Where most views have it, though the map, by those below, has it elsewhere.
+  std::optional<SizedPlace> better_home;
+  std::vector<MarkerView> usurpers;
 };
 
 /// Too few views to say what stands there: a wrong id looks the same, and proves nothing about
@@ -52,8 +57,9 @@ class MarkerJudge {
     parallel_for(judged.size(), evidence_.options().threads,
                  [&](std::size_t i) { verdicts[i] = verdict_of(judged[i]); });
     for (std::size_t i = 0; i < judged.size(); ++i) {
-      if (!verdicts[i].displaced) continue;
       auto& places = places_[judged[i]];
+      if (verdicts[i].better_home) places = {*verdicts[i].better_home};
+      if (!verdicts[i].displaced) continue;
       places.clear();
       for (const PlaceCluster& cluster : verdicts[i].displaced->places) {
         places.push_back(cluster.place);
@@ -70,8 +76,14 @@ class MarkerJudge {
           diagnosis.strays.push_back(*stray);
         }
       }
+      for (const MarkerView& view : verdict.usurpers) {
+        wrong_ids.push_back(judge_.wrong_id(view).value_or(WrongId{view, std::nullopt}));
+      }
       if (verdict.displaced) diagnosis.displaced.push_back(*std::move(verdict.displaced));
+      if (verdict.riding) diagnosis.riding.push_back(*std::move(verdict.riding));
+      if (verdict.restless) diagnosis.restless.push_back(*std::move(verdict.restless));
     }
+    name_groups(judged, diagnosis);
     for (const FrameSetIndex frame_set : contradictory_pairs(wrong_ids)) {
       if (const auto wrong = judge_.wrong_of_two(frame_set)) wrong_ids.push_back(*wrong);
     }
@@ -85,6 +97,36 @@ class MarkerJudge {
   }
 
  private:
+  /// Groups take their views out of the wrong ids, and their markers out of those that move all the
+  /// time: one cause, one finding.
+  void name_groups(const std::vector<MarkerIndex>& judged, MarkerDiagnosis& diagnosis) const {
+    std::vector<MarkerView> elsewhere;
+    for (const MarkerIndex marker : judged) {
+      for (const MarkerView& view : evidence_.views_of(marker, 2)) {
+        const bool home = std::any_of(
+            places_[marker].begin(), places_[marker].end(), [&](const SizedPlace& place) {
+              return distance_px(view, place) < options_.wrong_ids.least_to_own * side_px(view);
+            });
+        if (!home) elsewhere.push_back(view);
+      }
+    }
+    diagnosis.groups = find_moving_groups(evidence_, elsewhere, options_.movement);
+    std::erase_if(diagnosis.restless, [&](const RestlessMarker& restless) {
+      return std::any_of(
+          diagnosis.groups.begin(), diagnosis.groups.end(), [&](const MovingGroup& group) {
+            return std::binary_search(group.markers.begin(), group.markers.end(), restless.marker);
+          });
+    });
+    std::set<ObservationIndex> taken;
+    for (const MovingGroup& group : diagnosis.groups) {
+      for (const MarkerView& view : group.views) taken.insert(view.index);
+    }
+    for (auto* wrong_ids : {&diagnosis.wrong_ids, &diagnosis.strays}) {
+      std::erase_if(*wrong_ids,
+                    [&](const WrongId& wrong) { return taken.contains(wrong.view.index); });
+    }
+  }
+
   /// What the marker's own views and the mapped places of the others tell.
   [[nodiscard]] MarkerVerdict verdict_of(MarkerIndex marker) const {
     MarkerVerdict verdict;
@@ -107,8 +149,16 @@ class MarkerJudge {
       return verdict;
     }
     if (!contradicted) return verdict;
+    verdict.riding = find_riding(firm, options_.movement);
+    if (verdict.riding) return verdict;
     const auto places = find_places(evidence_, firm, options_.places);
     verdict.displaced = displaced(marker, places);
+    if (places.empty()) {
+      verdict.restless = find_restless(firm, options_.movement);
+      if (verdict.restless) return verdict;
+    }
+    if (!verdict.displaced && !places.empty()) find_better_home(places.front(), firm, verdict);
+    if (verdict.better_home) return verdict;
     for (const MarkerView& view : firm) {
       if (view.accepted || at_home(view)) continue;
       const bool fits = verdict.displaced &&
@@ -118,6 +168,24 @@ class MarkerJudge {
       if (!fits) verdict.strays.push_back(view);
     }
     return verdict;
+  }
+
+  /// A place that three views and more speak for, and twice as many as those that the map goes by,
+  /// of which it holds none.
+  void find_better_home(const PlaceCluster& place, const std::vector<MarkerView>& firm,
+                        MarkerVerdict& verdict) const {
+    std::vector<MarkerView> usurpers;
+    for (const MarkerView& view : firm) {
+      if (!view.accepted) continue;
+      if (fits_at(view, place.place)) return;
+      usurpers.push_back(view);
+    }
+    if (usurpers.empty() || place.views.size() <= 2 * usurpers.size()) return;
+    verdict.better_home = place.place;
+    verdict.usurpers = std::move(usurpers);
+    for (const MarkerView& view : firm) {
+      if (!view.accepted && !fits_at(view, place.place)) verdict.strays.push_back(view);
+    }
   }
 
   [[nodiscard]] std::ptrdiff_t views_of(MarkerIndex marker, bool accepted_only) const {

@@ -4,6 +4,7 @@
 
 #include "mapbuilder/diagnosis/map_evidence.h"
 #include "mapbuilder/diagnosis/marker_places.h"
+#include "mapbuilder/diagnosis/moving_markers.h"
 #include "mapbuilder/diagnosis/place_history.h"
 #include "mapbuilder/diagnosis/presence.h"
 #include "mapbuilder/diagnosis/size_fit.h"
@@ -18,6 +19,7 @@ struct DiagnosisOptions {
   HistoryOptions history;
   WrongIdOptions wrong_ids;
   PresenceOptions presence;
+  MovementOptions movement;
 };
 
 /// An id that was seen at more than one place.
@@ -33,7 +35,11 @@ struct DisplacedMarker {
 struct MarkerDiagnosis {
   std::vector<WrongSize> sizes;
   std::vector<DisplacedMarker> displaced;
-  std::vector<WrongId> wrong_ids;  ///< each shows another marker of the map
+  std::vector<RidingMarker> riding;
+  std::vector<RestlessMarker> restless;
+  std::vector<MovingGroup> groups;
+  /// Each shows another marker of the map, or what put its marker there against most views.
+  std::vector<WrongId> wrong_ids;
   /// Rejected detections that show no marker of the map, and markers that come or go: what is left
   /// to say when nothing else is wrong, and may have another reason when something is.
   std::vector<WrongId> strays;

@@ -118,6 +118,48 @@ class FindingWriter {
     return finding;
   }
 
+  [[nodiscard]] Finding riding(const RidingMarker& riding) const {
+    Finding finding = about(Cause::riding, riding.marker);
+    std::set<std::string> cameras;
+    for (const MarkerView& view : riding.views) cameras.insert(view.camera->name);
+    finding.cameras.assign(cameras.begin(), cameras.end());
+    finding.text = fmt::format(
+        "moves with the rig: {} views of {} have it always at one place, while the rig went {:.1f} "
+        "m. Left out.",
+        riding.views.size(), fmt::join(finding.cameras, ", "), riding.way_m);
+    finding.remedy = "Put it into `ignore` in markers.toml.";
+    finding.explains = fmt::format("{} views of it", riding.views.size());
+    finding.figures = {{"views", static_cast<double>(riding.views.size()), "", {}},
+                       {"way of the rig", riding.way_m, "m", {}}};
+    return finding;
+  }
+
+  [[nodiscard]] Finding restless(const RestlessMarker& restless) const {
+    Finding finding = about(Cause::moved, restless.marker);
+    finding.text =
+        fmt::format("moves all the time: hardly two of {} views agree on where it is. Left out.",
+                    restless.views.size());
+    finding.remedy = "Does it ride on something? Put it into `ignore` in markers.toml.";
+    finding.figures = {{"views", static_cast<double>(restless.views.size()), "", {}}};
+    return finding;
+  }
+
+  [[nodiscard]] Finding group(const MovingGroup& group) const {
+    Finding finding;
+    finding.cause = Cause::moving_group;
+    for (const MarkerIndex marker : group.markers) {
+      finding.markers.push_back(observations_.markers[marker]);
+    }
+    finding.subject = subject_of(finding.markers, observations_.several_families());
+    finding.text = fmt::format(
+        "also seen together in {} images, alike to each other and not where they hang: a board "
+        "with their ids? These {} detections are left out.",
+        group.images, group.views.size());
+    finding.remedy = "Keep boards out of captures, or give them ids of their own.";
+    finding.figures = {{"detections left out", static_cast<double>(group.views.size()), "", {}}};
+    return finding;
+  }
+
   [[nodiscard]] Finding part_time(const PartTimeMarker& marker) const {
     const bool came = marker.appeared.value_or(false);
     Finding finding = about(Cause::moved, marker.marker);
@@ -175,6 +217,11 @@ std::vector<Finding> marker_findings(const Observations& observations,
   for (const WrongSize& wrong : diagnosis.sizes) findings.push_back(writer.wrong_size(wrong));
   for (const DisplacedMarker& marker : diagnosis.displaced) {
     findings.push_back(writer.displaced(marker));
+  }
+  for (const RidingMarker& marker : diagnosis.riding) findings.push_back(writer.riding(marker));
+  for (const MovingGroup& group : diagnosis.groups) findings.push_back(writer.group(group));
+  for (const RestlessMarker& marker : diagnosis.restless) {
+    findings.push_back(writer.restless(marker));
   }
   std::map<MarkerIndex, std::vector<const WrongId*>> by_marker;
   for (const auto* wrong_ids : {&diagnosis.wrong_ids, &diagnosis.strays}) {

@@ -16,8 +16,9 @@ struct MarkerPlace {
   std::optional<int> corner;  ///< nullopt: the centre
 };
 
-/// Whether an entry takes part in the adjustment, or only shows its residual.
-enum class SurveyUse { fit, check };
+/// Whether an entry takes part in the adjustment, or only shows its residual: because the survey
+/// says so, or because it was found to contradict the rest.
+enum class SurveyUse { fit, check, left_out };
 
 /// A place whose position in the facility frame was measured.
 struct SurveyedPoint {

@@ -22,5 +22,11 @@ TEST(ShownNotes, ArePrintableLines) {
   EXPECT_LE(shown_notes({std::string(100'000, 'x')}).front().size(), 500U);
 }
 
+TEST(ShownNotes, SayTheirCauseWhereTheyHaveOne) {
+  EXPECT_EQ(note_line("no images"), "note: no images");
+  EXPECT_EQ(note_line(caused_note(Cause::format, "rig.yaml: x")), "note [format] rig.yaml: x");
+  EXPECT_EQ(note_line("[a] folder's name"), "note: [a] folder's name");
+}
+
 }  // namespace
 }  // namespace waymark
