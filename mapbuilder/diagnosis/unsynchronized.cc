@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "mapbuilder/diagnosis/rig_path.h"
 

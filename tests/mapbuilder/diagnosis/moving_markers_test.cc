@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "tests/mapbuilder/diagnosis/diagnosed_room.h"

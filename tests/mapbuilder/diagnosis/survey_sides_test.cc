@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/marker/marker_geometry.h"
 #include "tests/mapbuilder/diagnosis/measured_room.h"
 
