@@ -77,7 +77,7 @@ bool JsonFields::boolean(std::string_view key, std::optional<bool> fallback) {
   return false;
 }
 
-std::string JsonFields::text(std::string_view key, std::optional<std::string> fallback) {
+std::string JsonFields::text(std::string_view key, const std::optional<std::string>& fallback) {
   const json* const found = find(key, !fallback);
   if (found == nullptr) return fallback.value_or("");
   if (found->is_string()) return found->get<std::string>();

@@ -31,7 +31,7 @@ class JsonFields {
   std::int64_t integer(std::string_view key, std::int64_t low, std::int64_t high,
                        std::optional<std::int64_t> fallback = std::nullopt);
   bool boolean(std::string_view key, std::optional<bool> fallback = std::nullopt);
-  std::string text(std::string_view key, std::optional<std::string> fallback = std::nullopt);
+  std::string text(std::string_view key, const std::optional<std::string>& fallback = std::nullopt);
   /// One of `choices`: its index.
   std::size_t choice(std::string_view key, std::initializer_list<std::string_view> choices,
                      std::optional<std::size_t> fallback = std::nullopt);

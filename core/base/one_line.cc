@@ -69,7 +69,7 @@ std::string with_thousands(std::size_t number) {
 }  // namespace
 
 std::string in_one_line(std::string_view text, std::size_t max_bytes) {
-  const std::string line = spelt_out(text);
+  std::string line = spelt_out(text);
   if (line.size() <= max_bytes) return line;
   const std::string mark = fmt::format("… ({} bytes) …", with_thousands(text.size()));
   // What is wrong stands at the beginning, what to do about it at the end.
