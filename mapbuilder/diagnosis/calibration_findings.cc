@@ -64,10 +64,9 @@ Finding rig_misfit(const RigCamera& before, const RigCamera& after, const Camera
   finding.cause = Cause::rig_displaced;
   finding.subject = before.name;
   finding.text = fmt::format(
-      "the images put it {:.1f} mm (± {:.1f}) and {:.2f}° (± {:.2f}) away from where rig.yaml has "
-      "it.",
-      1e3 * moved_m, 1e3 * sure.position_m, kDegreesPerRadian * turned_rad,
-      kDegreesPerRadian * sure.rotation_rad);
+      "the images put it {} and {} away from where rig.yaml has it.",
+      give_or_take(1e3 * moved_m, 1e3 * sure.position_m, " mm", 1),
+      give_or_take(kDegreesPerRadian * turned_rad, kDegreesPerRadian * sure.rotation_rad, "°", 2));
   finding.remedy =
       refined ? kRefinedRemedy : "Calibrate the rig anew, or build with --refine extrinsics.";
   finding.cameras = {before.name};
@@ -89,9 +88,9 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
   finding.cause = Cause::intrinsics;
   finding.subject = before.name;
   finding.text = fmt::format(
-      "its images fit a focal length {:+.2f} % (± {:.2f}) off the stated one, and a lens that puts "
-      "its markers up to {:.1f} px elsewhere than the stated one{}.",
-      100 * focal, 100 * sure.focal, lens_px,
+      "its images fit a focal length {} off the stated one, and a lens that puts its markers up to "
+      "{:.1f} px elsewhere than the stated one{}.",
+      give_or_take(100 * focal, 100 * sure.focal, " %", 2), lens_px,
       stated_straight ? ": the stated zero distortion is wrong" : "");
   finding.remedy =
       refined ? kRefinedRemedy : "Calibrate the camera anew, or build with --refine intrinsics.";

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 #include "core/base/one_line.h"
@@ -23,6 +24,15 @@ std::string subject_of(const std::vector<MarkerId>& markers, bool with_family) {
   }
   if (markers.size() > kMostIds) subject += fmt::format(", … ({} in all)", markers.size());
   return subject;
+}
+
+std::string give_or_take(double value, double sigma, const char* unit, int decimals) {
+  constexpr int kMostDecimals = 6;
+  if (sigma > 0) {
+    const int needed = static_cast<int>(std::ceil(-std::log10(sigma)));
+    decimals = std::clamp(needed, decimals, std::max(decimals, kMostDecimals));
+  }
+  return fmt::format("{:.{}f} ± {:.{}f}{}", value, decimals, sigma, decimals, unit);
 }
 
 std::string one_line(const Finding& finding) {

@@ -45,6 +45,10 @@ struct Finding {
 /// "marker 12", "markers 3, 12"; at most 30 ids, then how many there are in all.
 [[nodiscard]] std::string subject_of(const std::vector<MarkerId>& markers, bool with_family);
 
+/// "34.6 ± 0.6 mm": as many decimals as the standard deviation's first digit needs, `decimals` at
+/// least.
+[[nodiscard]] std::string give_or_take(double value, double sigma, const char* unit, int decimals);
+
 /// "SEVERITY [cause] subject: text remedy"
 [[nodiscard]] std::string one_line(const Finding& finding);
 

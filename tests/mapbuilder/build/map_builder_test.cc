@@ -1,6 +1,7 @@
 #include "mapbuilder/build/map_builder.h"
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <random>
 
@@ -44,6 +45,40 @@ TEST(MapBuilder, ExactDetectionsGiveTheExactMap) {
   EXPECT_TRUE(result.unmapped.empty());
   EXPECT_LT(rmse_m(result.submaps[0].map, room), 1e-5);
   EXPECT_LT(result.submaps[0].map.rms_all_px, 1e-3);
+}
+
+TEST(MapBuilder, AMarkerSeenOnceAndAloneIsNoSubMapUnlessThereIsNothingElse) {
+  auto room = test::make_room({});
+  ImageDetections lone = room.images.back();
+  lone.stamp += std::chrono::seconds(1);
+  lone.detections.resize(1);
+  lone.detections[0].marker.number = 99;
+  room.images.push_back(lone);
+  const auto result = build(test::observations_of(room));
+  EXPECT_EQ(result.submaps.size(), 1U);
+  ASSERT_EQ(result.unmapped.size(), 1U);
+  EXPECT_EQ(result.unmapped[0].number, 99);
+  EXPECT_TRUE(result.unlocalized.empty());
+  EXPECT_EQ(result.without_markers.size(), 1U);
+
+  room.images = {lone};
+  EXPECT_EQ(build(test::observations_of(room)).submaps.size(), 1U);
+}
+
+TEST(MapBuilder, ACameraThatStandsStillGivesOneView) {
+  test::RoomOptions options;
+  options.cameras = 1;
+  options.frame_sets = 20;
+  options.noise_px = 0.2;
+  options.turn_in_place_rad = 0;
+  const auto standing = build(test::observations_of(test::make_room(options)));
+  ASSERT_EQ(standing.submaps.size(), 1U);
+  for (const MapMarker& marker : standing.submaps[0].map.markers) EXPECT_FALSE(marker.verified);
+  options.turn_in_place_rad = 0.2;
+  const auto turning = build(test::observations_of(test::make_room(options)));
+  for (const MapMarker& marker : turning.submaps[0].map.markers) {
+    EXPECT_EQ(marker.verified, marker.observations > 1);
+  }
 }
 
 TEST(MapBuilder, NoisyDetectionsOfOneCameraToo) {

@@ -41,5 +41,12 @@ TEST(Finding, SubjectsNameMarkersUpToThirty) {
   EXPECT_THAT(subject_of(many, false), EndsWith("29, … (31 in all)"));
 }
 
+TEST(Finding, NoStandardDeviationIsRoundedToNothing) {
+  EXPECT_EQ(give_or_take(34.63, 0.61, " mm", 1), "34.6 ± 0.6 mm");
+  EXPECT_EQ(give_or_take(0.0612, 0.004, "°", 2), "0.061 ± 0.004°");
+  EXPECT_EQ(give_or_take(-0.031, 0.012, " %", 2), "-0.03 ± 0.01 %");
+  EXPECT_EQ(give_or_take(1, 0, "", 1), "1.0 ± 0.0");
+}
+
 }  // namespace
 }  // namespace waymark
