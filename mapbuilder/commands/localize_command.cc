@@ -82,7 +82,9 @@ Expected<std::vector<Finding>> causes_of_misfit(const std::vector<DetectedCaptur
   if (!own) return tl::make_unexpected(own.error());
   std::vector<Finding> findings = std::move(own->causes);
   append(map_findings(map, own->diagnosed.result), findings);
-  append(std::move(own->diagnosed.findings), findings);
+  // Where something is wrong that all share, no marker is named.
+  if (count_of(Severity::error, findings) == 0)
+    append(std::move(own->diagnosed.findings), findings);
   return findings;
 }
 

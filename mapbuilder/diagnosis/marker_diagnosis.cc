@@ -101,8 +101,10 @@ class MarkerJudge {
   /// time: one cause, one finding.
   void name_groups(const std::vector<MarkerIndex>& judged, MarkerDiagnosis& diagnosis) const {
     std::vector<MarkerView> elsewhere;
+    std::size_t all = 0;
     for (const MarkerIndex marker : judged) {
       for (const MarkerView& view : evidence_.views_of(marker, 2)) {
+        ++all;
         const bool home = std::any_of(
             places_[marker].begin(), places_[marker].end(), [&](const SizedPlace& place) {
               return distance_px(view, place) < options_.wrong_ids.least_to_own * side_px(view);
@@ -110,6 +112,9 @@ class MarkerJudge {
         if (!home) elsewhere.push_back(view);
       }
     }
+    // Where much lies elsewhere something else is wrong than a board.
+    constexpr std::size_t kOneIn = 4;
+    if (kOneIn * elsewhere.size() > all) return;
     diagnosis.groups = find_moving_groups(evidence_, elsewhere, options_.movement);
     std::erase_if(diagnosis.restless, [&](const RestlessMarker& restless) {
       return std::any_of(
