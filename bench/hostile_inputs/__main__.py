@@ -169,9 +169,7 @@ def further_files(stand, folder):
         kind = path.suffix[1:]
         if kind in ("toml", "yaml", "json"):
             readers = {"toml": stand.check, "yaml": lambda p: stand.check_with("camchain", p), "json": stand.import_map}
-            # What rig.yaml says beside the cameras is noted and passed over.
-            expected = "taken" if path.name.startswith(("rig_key", "rig_notify")) else "refused"
-            yield path.name, expected, path, readers[kind](path)
+            yield path.name, "refused", path, readers[kind](path)
         elif kind in ("png", "jpg"):
             for read in (stand.replay, stand.detect):
                 capture = stand.make_capture("hostile_images", {f"100000000.{kind}": path.read_bytes()})
