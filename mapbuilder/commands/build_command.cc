@@ -365,7 +365,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   const Observations& observations = explained->observations;
   DiagnosedBuild& diagnosed = explained->diagnosed;
   BuildResult& result = diagnosed.result;
-  append(std::move(explained->causes), findings);
+  append(explained->causes, findings);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   if (result.submaps.empty()) {
     print_findings(findings, notes);
@@ -382,7 +382,9 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 "detections; nothing written",
                 options.input.paths.front().string(), sound.error().message);
   }
-  append(findings_of(options, build, *references, observations, diagnosed), findings);
+  append(not_explained(findings_of(options, build, *references, observations, diagnosed),
+                       explained->causes),
+         findings);
   findings = judged(std::move(findings), options.rules);
   print_findings(findings, notes);
 

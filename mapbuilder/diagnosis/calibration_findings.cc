@@ -12,6 +12,7 @@
 
 #include "core/geometry/symmetric_factor.h"
 #include "mapbuilder/bundle/constant_direction.h"
+#include "mapbuilder/diagnosis/baseline_scale.h"
 
 namespace waymark {
 namespace {
@@ -156,6 +157,17 @@ double largest_shift_px(const CameraModel& before, const CameraModel& after,
   return largest;
 }
 
+/// Of the rig whose first camera has this number.
+std::optional<BaselineScale> scale_of_baselines(const CalibrationResult& calibration, RigIndex rig,
+                                                std::size_t first) {
+  const Rig& stated = calibration.rigs_before[rig];
+  const auto at = static_cast<Eigen::Index>(6 * first);
+  const auto size = static_cast<Eigen::Index>(6 * stated.cameras.size());
+  const Eigen::MatrixXd& joint = calibration.uncertainty.joint;
+  if (joint.rows() < at + size) return std::nullopt;
+  return baseline_scale(stated, calibration.rigs_fitted[rig], joint.block(at, at, size, size));
+}
+
 void name_misfits(const CalibrationResult& calibration, const VariableCalibration& asked,
                   const SeenCorners& seen, std::vector<Finding>& findings) {
   // Refined sizes alone leave the rig file as it is: then what was fitted to it is evidence only.
@@ -169,9 +181,16 @@ void name_misfits(const CalibrationResult& calibration, const VariableCalibratio
   const IndexedVector<RigIndex, Rig>& after = calibration.rigs_fitted;
   std::size_t count = 0;
   for (const RigIndex r : after.indices()) {
+    // One factor on all baselines is the sizes' fault as likely as the cameras'.
+    Rig before = calibration.rigs_before[r];
+    const auto scale = judge_extrinsics ? scale_of_baselines(calibration, r, count) : std::nullopt;
+    if (scale) {
+      findings.push_back(finding_of(*scale, before));
+      before = with_baselines(std::move(before), scale->factor);
+    }
     for (std::size_t c = 0; c < after[r].cameras.size(); ++c) {
       const CameraIndex index(count++);
-      const RigCamera& stated = calibration.rigs_before[r].cameras[c];
+      const RigCamera& stated = before.cameras[c];
       const RigCamera& fitted = after[r].cameras[c];
       const CameraUncertainty& sure = calibration.uncertainty.cameras[index];
       const double moved_m =

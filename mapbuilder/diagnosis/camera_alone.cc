@@ -1,14 +1,19 @@
 #include "mapbuilder/diagnosis/camera_alone.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mapbuilder/diagnosis/lens_of_squares.h"
 
 namespace waymark {
 namespace {
 
 /// Images that tell the intrinsics; of more, every n-th.
 constexpr std::size_t kMaxImages = 60;
-/// Starts that are refined.
-constexpr std::size_t kMostRefined = 3;
+/// Of a camera whose images make no map.
+constexpr FitQuality kNoMap{std::numeric_limits<double>::infinity(),
+                            std::numeric_limits<double>::infinity()};
 
 DetectedCapture camera_alone(const DetectedCapture& capture, std::size_t camera) {
   DetectedCapture alone = capture;
@@ -43,6 +48,8 @@ std::optional<Attempt> attempt(DetectedCapture alone, const CameraParameters& pa
   options.survey = {};
   options.refine = {};
   options.refine.intrinsics = refine;
+  // A diagnosis asks what fits best, not whether it is good enough for a map.
+  options.refinement_limits = {1.0, 0.1, 0.1, 0.1, 100.0};
   Progress silent(false);
   const Selection selection(*observations);
   const BuildResult result = build_map(selection, options, silent);
@@ -55,46 +62,13 @@ std::optional<Attempt> attempt(DetectedCapture alone, const CameraParameters& pa
   return made;
 }
 
-CameraParameters scaled(CameraParameters p, double factor) {
-  p.fu_px *= factor;
-  p.fv_px *= factor;
-  p.pu_px = (p.pu_px + 0.5) * factor - 0.5;
-  p.pv_px = (p.pv_px + 0.5) * factor - 0.5;
-  return p;
-}
-
-/// Cameras that a wrong file may hide.
-std::vector<CameraParameters> starts_near(const CameraParameters& stated) {
-  std::vector<CameraParameters> starts;
-  CameraParameters turned = stated;
-  turned.pu_px = stated.width_px - 1 - stated.pu_px;
-  turned.pv_px = stated.height_px - 1 - stated.pv_px;
-  starts.push_back(turned);
-  CameraParameters straight = stated;
-  straight.distortion = Distortion::none;
-  straight.coefficients = {};
-  starts.push_back(straight);
-  CameraParameters order = stated;
-  order.fu_px = stated.pu_px;
-  order.fv_px = stated.pv_px;
-  order.pu_px = stated.fu_px;
-  order.pv_px = stated.fv_px;
-  starts.push_back(order);
-  for (const double factor : {0.25, 0.5, 2.0 / 3.0, 0.75, 4.0 / 3.0, 1.5, 2.0, 4.0}) {
-    starts.push_back(scaled(stated, factor));
+/// The outlines that a camera has seen.
+std::vector<ImageCorners> squares_of(const DetectedCapture& alone) {
+  std::vector<ImageCorners> squares;
+  for (const ImageDetections& image : alone.images) {
+    for (const Detection& detection : image.detections) squares.push_back(detection.corners);
   }
-  for (const double factor : {0.5, 0.65, 0.77, 0.9, 1.1, 1.3, 1.55, 2.0}) {
-    CameraParameters focal = stated;
-    focal.fu_px *= factor;
-    focal.fv_px *= factor;
-    starts.push_back(focal);
-  }
-  for (const double factor : {0.75, 4.0 / 3.0}) {
-    CameraParameters squeezed = stated;
-    squeezed.fv_px *= factor;
-    starts.push_back(squeezed);
-  }
-  return starts;
+  return squares;
 }
 
 }  // namespace
@@ -104,27 +78,24 @@ std::optional<CameraAlone> fit_camera_alone(const DetectedCapture& capture, std:
   const DetectedCapture alone = camera_alone(capture, camera);
   const CameraParameters& stated = capture.rig.cameras[camera].model.parameters();
   const auto as_stated = attempt(alone, stated, options, false);
-  if (!as_stated) return std::nullopt;
-  CameraAlone result{as_stated->quality, as_stated->quality, stated};
-  std::vector<Attempt> tried{*as_stated};
-  if (as_stated->quality.contradicts()) {
-    for (const CameraParameters& start : starts_near(stated)) {
-      if (auto made = attempt(alone, start, options, false)) tried.push_back(*std::move(made));
-    }
-  }
-  const auto better = [](const Attempt& a, const Attempt& b) {
-    return a.quality.joint_px < b.quality.joint_px;
+  const auto by_squares = lens_of_squares(stated, squares_of(alone));
+  if (!as_stated && !by_squares) return std::nullopt;
+  CameraAlone result{kNoMap, kNoMap, stated};
+  if (as_stated) result.stated = result.fitted = as_stated->quality;
+  const auto take = [&](const std::optional<Attempt>& made) {
+    if (!made || made->quality.joint_px >= result.fitted.joint_px) return;
+    result.fitted = made->quality;
+    result.parameters = made->parameters;
   };
-  std::stable_sort(tried.begin(), tried.end(), better);
-  tried.resize(std::min(tried.size(), kMostRefined));
-  for (const Attempt& start : tried) {
-    const auto refined = attempt(alone, start.parameters, options, true);
-    for (const Attempt* made : {&start, refined ? &*refined : nullptr}) {
-      if (made == nullptr || made->quality.joint_px >= result.fitted.joint_px) continue;
-      result.fitted = made->quality;
-      result.parameters = made->parameters;
-    }
+  take(attempt(alone, stated, options, true));
+  if (by_squares) {
+    // What corners are worth is told by the lens that fits them, not by one that spoils them.
+    take(attempt(alone, by_squares->parameters, options, false));
+    take(attempt(alone, by_squares->parameters, options, true));
+    result.stated.own_px = std::min(result.stated.own_px, by_squares->own_px);
+    result.fitted.own_px = std::min(result.fitted.own_px, by_squares->own_px);
   }
+  if (!std::isfinite(result.fitted.joint_px)) return std::nullopt;
   return result;
 }
 

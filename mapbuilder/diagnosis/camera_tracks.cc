@@ -51,7 +51,10 @@ std::optional<Matrix6d> information_of(const PreparedObservations& prepared,
 CameraTracks tracks_of(const Observations& mono, const BuildResult& result, CaptureIndex capture,
                        const Rig& rig, Stamp sync_tolerance) {
   CameraTracks tracks;
-  for (const RigCamera& camera : rig.cameras) tracks.cameras.push_back(camera.name);
+  for (const RigCamera& camera : rig.cameras) {
+    tracks.cameras.push_back(camera.name);
+    tracks.lenses.push_back(camera.model);
+  }
   if (result.submaps.empty()) return tracks;
   const BuiltSubMap& submap = result.submaps.front();
   std::map<MarkerIndex, Rigid3> world_from_marker;

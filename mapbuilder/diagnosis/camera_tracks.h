@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/camera/camera_model.h"
 #include "core/geometry/rigid3.h"
 #include "core/geometry/stamp.h"
 #include "mapbuilder/build/map_builder.h"
@@ -24,11 +25,13 @@ struct CameraTracks {
     std::vector<std::optional<TrackedPlace>> places;  ///< per camera of the rig
   };
   std::vector<std::string> cameras;  ///< names, in the rig's order
+  std::vector<CameraModel> lenses;   ///< by which places were told; empty: those stated
   std::vector<Instant> instants;     ///< by rising stamp
 };
 
 /// The tracks of one capture's cameras in the largest sub-map of a mono build, in which every image
-/// has a pose of its own. Instants are the capture's frame sets; ambiguous images have no place.
+/// has a pose of its own, with the `rig` that it was built with. Instants are the capture's frame
+/// sets; ambiguous images have no place.
 [[nodiscard]] CameraTracks tracks_of(const Observations& mono, const BuildResult& result,
                                      CaptureIndex capture, const Rig& rig, Stamp sync_tolerance);
 

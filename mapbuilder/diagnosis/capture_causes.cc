@@ -5,59 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "mapbuilder/diagnosis/camera_alone.h"
 #include "mapbuilder/diagnosis/camera_tracks.h"
-#include "mapbuilder/diagnosis/fit_quality.h"
-#include "mapbuilder/diagnosis/lens_causes.h"
-#include "mapbuilder/diagnosis/rig_hypotheses.h"
+#include "mapbuilder/diagnosis/lens_evidence.h"
+#include "mapbuilder/diagnosis/mono_build.h"
+#include "mapbuilder/diagnosis/print_shape.h"
+#include "mapbuilder/diagnosis/rig_correction.h"
+#include "mapbuilder/diagnosis/rig_judge.h"
 #include "mapbuilder/diagnosis/unsynchronized.h"
 
 namespace waymark {
 namespace {
-
-/// The mono build asks for no calibration: nothing is known of rigs in it.
-BuildOptions mono_options(const BuildOptions& options) {
-  BuildOptions mono = options;
-  mono.refine = {};
-  mono.survey = {};
-  return mono;
-}
-
-Finding finding_of(const RigExplanation& explanation, const Rig& rig) {
-  Finding finding;
-  finding.severity = Severity::error;
-  finding.cause = explanation.cause;
-  for (const std::size_t k : explanation.cameras) finding.cameras.push_back(rig.cameras[k].name);
-  finding.subject = fmt::format("{}", fmt::join(finding.cameras, ", "));
-  finding.text = explanation.detail + ".";
-  finding.remedy = explanation.remedy;
-  finding.explains =
-      "every image alone fits the map, and together they fit with this and not as stated";
-  if (explanation.sigma > 0 || explanation.value != 0) {
-    finding.figures = {{"fitted", explanation.value, explanation.unit, explanation.sigma}};
-  }
-  return finding;
-}
-
-/// The capture with the explanation put right, or without what it can't be put right for.
-DetectedCapture put_right(const DetectedCapture& capture, const RigExplanation& explanation) {
-  DetectedCapture right = capture;
-  if (!explanation.leave_out) {
-    for (std::size_t k = 0; k < right.rig.cameras.size(); ++k) {
-      right.rig.cameras[k].rig_from_cam = explanation.rig_from_cam[k];
-    }
-    return right;
-  }
-  std::erase_if(right.images, [&](const ImageDetections& image) {
-    const bool concerned =
-        std::find(explanation.cameras.begin(), explanation.cameras.end(),
-                  static_cast<std::size_t>(image.camera)) != explanation.cameras.end();
-    return concerned &&
-           (!explanation.since || image.stamp >= *explanation.since - capture.sync_tolerance);
-  });
-  return right;
-}
 
 bool has_a_rig(const DetectedCapture& capture) {
   return capture.rig.cameras.size() > 1 && capture.rig.has_extrinsics;
@@ -79,70 +38,15 @@ void add_finding(Finding finding, std::vector<Finding>& findings) {
   findings.push_back(std::move(finding));
 }
 
-/// A map of every image on its own.
-struct MonoBuild {
-  Observations observations;
-  BuildResult result;
-  FitQuality quality;
-};
-
-std::optional<MonoBuild> build_mono(const std::vector<DetectedCapture>& captures,
-                                    const BuildOptions& options, Progress& progress) {
-  auto observations = make_observations(captures, {true, options.threads});
-  if (!observations) return std::nullopt;
-  MonoBuild build{*std::move(observations), {}, {}};
-  const Selection selection(build.observations);
-  build.result = build_map(selection, mono_options(options), progress);
-  build.quality = fit_quality(selection, build.result);
-  return build;
-}
-
-/// A lens that only bends otherwise than stated is for a refinement to correct; one of other
-/// numbers altogether is an error, however well markers' own poses hide it.
-bool is_gross(const LensExplanation& why) {
-  constexpr double kGrossFocal = 5.0;  // %
-  return why.cause != Cause::intrinsics || (why.unit == "%" && std::abs(why.value) > kGrossFocal) ||
-         why.detail.find("[cx cy fx fy]") != std::string::npos;
-}
-
-/// Asks each camera which intrinsics its images fit; those that explain it take the stated ones'
-/// place.
-void explain_lenses(const BuildOptions& options, ExplainedCaptures& explained) {
-  constexpr double kExplains = 0.5;  // of the misfit is left at most
-  for (DetectedCapture& capture : explained.captures) {
-    for (std::size_t k = 0; k < capture.rig.cameras.size(); ++k) {
-      RigCamera& camera = capture.rig.cameras[k];
-      const auto alone = fit_camera_alone(capture, k, options);
-      if (!alone) continue;
-      const bool contradicts = alone->stated.contradicts();
-      if (!contradicts && alone->stated.joint_px < kPoorFit_px) continue;
-      if (alone->fitted.joint_px > kExplains * alone->stated.joint_px) continue;
-      const auto why = explain_lens(camera.model.parameters(), alone->parameters);
-      auto model = CameraModel::create(alone->parameters);
-      if (!why || !model || (!contradicts && !is_gross(*why))) continue;
-      camera.model = *std::move(model);
-      Finding finding;
-      finding.severity = Severity::error;
-      finding.cause = why->cause;
-      finding.subject = camera.name;
-      finding.cameras = {camera.name};
-      finding.captures = {capture.name};
-      finding.text = fmt::format("{} (its images alone: {:.2f} px as stated, {:.2f} px so).",
-                                 why->detail, alone->stated.joint_px, alone->fitted.joint_px);
-      finding.remedy = why->remedy;
-      finding.figures = {{"fitted", why->value, why->unit, {}}};
-      add_finding(std::move(finding), explained.findings);
-    }
-  }
-}
-
-/// Holds where the cameras of each capture stood against its rig.
-void explain_rigs(const MonoBuild& mono, ExplainedCaptures& explained) {
+/// Holds where the cameras of each capture stood, in a mono build of `built`, against its rig.
+void explain_rigs(const MonoBuild& mono, const std::vector<DetectedCapture>& built,
+                  std::vector<LensEvidence>& lenses, ExplainedCaptures& explained) {
   for (const CaptureIndex c : mono.observations.captures.indices()) {
-    DetectedCapture& capture = explained.captures[mono.observations.captures[c].place];
+    const std::size_t place = mono.observations.captures[c].place;
+    DetectedCapture& capture = explained.captures[place];
     if (!has_a_rig(capture)) continue;
     const CameraTracks tracks =
-        tracks_of(mono.observations, mono.result, c, capture.rig, capture.sync_tolerance);
+        tracks_of(mono.observations, mono.result, c, built[place].rig, capture.sync_tolerance);
     const auto explanation = explain_rig(tracks, capture.rig);
     if (!explanation) {
       if (auto finding = leave_out_unsynchronized(tracks, capture)) {
@@ -150,15 +54,54 @@ void explain_rigs(const MonoBuild& mono, ExplainedCaptures& explained) {
       }
       continue;
     }
-    const Rig stated = capture.rig;
-    capture = put_right(capture, *explanation);
+    // A camera that merely stands elsewhere is left to the calibration's own judgement.
+    if (explanation->cause == Cause::rig_displaced) continue;
     for (const RigExplanation& one : {*explanation, explanation->or_else()}) {
       if (one.detail.empty()) continue;
-      Finding finding = finding_of(one, stated);
+      Finding finding = finding_of(one, capture.rig);
       finding.captures = {capture.name};
       add_finding(std::move(finding), explained.findings);
     }
+    put_right(*explanation, capture, lenses[place]);
   }
+}
+
+/// Something is left that each image on its own does not fit either.
+bool is_poor(const FitQuality& mono) {
+  constexpr double kWorse = 1.4;  // than corners are worth
+  return mono.joint_px > kWorse * mono.own_px || mono.joint_px > kPoorFit_px;
+}
+
+/// The lenses of every capture's cameras, judged by their own images.
+std::vector<LensEvidence> lens_evidence_of(const std::vector<DetectedCapture>& captures,
+                                           const BuildOptions& options) {
+  std::vector<LensEvidence> lenses;
+  for (const DetectedCapture& capture : captures) lenses.push_back(lens_evidence(capture, options));
+  return lenses;
+}
+
+std::vector<DetectedCapture> with_fitted_lenses(std::vector<DetectedCapture> captures,
+                                                const std::vector<LensEvidence>& lenses) {
+  for (std::size_t c = 0; c < captures.size(); ++c) {
+    captures[c] = with_fitted_lenses(std::move(captures[c]), lenses[c]);
+  }
+  return captures;
+}
+
+/// Of prints and lenses, the one number that all markers share is asked first: it explains where it
+/// leaves nothing that lenses would have to, and no more than they leave with eight each.
+bool explain_prints(const MonoBuild& as_stated, const MonoBuild& with_lenses,
+                    const BuildOptions& options, ExplainedCaptures& explained) {
+  const auto shape = fit_print_shape(explained.captures, options);
+  constexpr double kSigmas = 5.0;
+  constexpr double kAlike = 1.1;
+  if (!shape || std::abs(shape->stretch) < kSigmas * shape->sigma || is_poor(shape->quality) ||
+      shape->quality.joint_px > kAlike * with_lenses.quality.joint_px) {
+    return false;
+  }
+  explained.captures = with_square_prints(std::move(explained.captures), shape->stretch);
+  add_finding(finding_of(*shape, as_stated.quality), explained.findings);
+  return true;
 }
 
 }  // namespace
@@ -168,17 +111,33 @@ ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures,
   // Each image on its own fits so much better than all together: the lenses are not to blame.
   constexpr double kFitsAlone = 0.25;
   ExplainedCaptures explained{captures, {}};
+  std::vector<LensEvidence> lenses(captures.size());
+  std::vector<DetectedCapture> built = captures;
   auto mono = build_mono(captures, options, progress);
   if (!mono) return explained;
-  if (mono->quality.contradicts() || mono->quality.joint_px > kPoorFit_px) {
-    explain_lenses(options, explained);
-    if (!explained.findings.empty()) mono = build_mono(explained.captures, options, progress);
-    if (!mono) return explained;
+  if (is_poor(mono->quality)) {
+    // Where cameras stood is told by lenses that fit their images, whatever is wrong with the
+    // stated ones: exchanged cameras and turned images bend them, too.
+    lenses = lens_evidence_of(captures, options);
+    built = with_fitted_lenses(captures, lenses);
+    auto fitted = build_mono(built, options, progress);
+    if (!fitted) return explained;
+    if (explain_prints(*mono, *fitted, options, explained)) {
+      lenses.assign(captures.size(), {});
+      built = explained.captures;
+      fitted = build_mono(built, options, progress);
+      if (!fitted) return explained;
+    }
+    mono = std::move(fitted);
   }
-  if (mono->quality.contradicts() && mono->quality.joint_px > kFitsAlone * joint_px) {
-    return explained;
+  if (!mono->quality.contradicts() || mono->quality.joint_px < kFitsAlone * joint_px) {
+    explain_rigs(*mono, built, lenses, explained);
   }
-  explain_rigs(*mono, explained);
+  for (std::size_t c = 0; c < captures.size(); ++c) {
+    for (Finding& finding : correct_lenses(lenses[c], explained.captures[c])) {
+      add_finding(std::move(finding), explained.findings);
+    }
+  }
   return explained;
 }
 

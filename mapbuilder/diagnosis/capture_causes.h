@@ -14,13 +14,15 @@ struct ExplainedCaptures {
   std::vector<Finding> findings;  ///< one per cause, errors
 };
 
-/// Looks for what is wrong with lenses, rig file or clocks, from the simplest on, where a build
-/// contradicts its observations: builds the map once more with every image on its own. Cameras that
-/// do not fit alone are asked which intrinsics they fit (fit_camera_alone, explain_lens). Where
-/// each image fits alone, where the cameras stood is held against the rig (explain_rig). What is
-/// found is put right in the captures returned, or left out of them (a camera's images where its
-/// time is wrong), so that the rest can be judged anew. No findings where no cause stands out.
-/// `joint_px` is what the build of the captures as they are misses by (FitQuality).
+/// Looks for what is wrong with prints, lenses, rig file or clocks, from the simplest on, where a
+/// build contradicts its observations: builds the map once more with every image on its own. Where
+/// that leaves more than corners are worth, prints that are not square (fit_print_shape) and each
+/// camera's lens (lens_evidence) are asked; by lenses that fit, where the cameras stood is held
+/// against the rig (explain_rig), and what of the lenses that does not explain is told
+/// (correct_lenses). What is found is put right in the captures returned, or left out of them (a
+/// camera's images where its time is wrong), so that the rest can be judged anew. No findings where
+/// no cause stands out. `joint_px` is what the build of the captures as they are misses by
+/// (FitQuality).
 [[nodiscard]] ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures,
                                                  double joint_px, const BuildOptions& options,
                                                  Progress& progress);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace waymark {
@@ -16,6 +17,9 @@ constexpr double kKeepsTime = 0.9;
 /// What departs from a constant or drifting offset by less than the tolerance, in this share of the
 /// images, follows it: an image may be lost now and then.
 constexpr double kFollows = 0.8;
+/// Clocks that are set back in step now and then drift in stairs: a step of this share of the whole
+/// drift is still part of it.
+constexpr double kStairs = 0.15;
 
 double seconds(Stamp stamp) { return std::chrono::duration<double>(stamp).count(); }
 
@@ -82,25 +86,39 @@ double period_of(const std::vector<Stamp>& stamps) {
   return median(std::move(steps));
 }
 
-/// The line that the offsets follow (Theil and Sen's, over pairs half the series apart); nullopt:
-/// none.
-std::optional<OffsetLine> line_of(const std::vector<Stamp>& stamps,
-                                  const std::vector<double>& offsets, double tolerance_s) {
-  const std::size_t half = stamps.size() / 2;
+/// How fast the offsets grow (s/s): the median over pairs at least a third of the series apart
+/// (Theil and Sen's), of at most 200 stamps.
+std::optional<double> drift_of(const std::vector<Stamp>& stamps,
+                               const std::vector<double>& offsets) {
+  constexpr std::size_t kMost = 200;
+  const std::size_t every = 1 + stamps.size() / (kMost + 1);
+  const std::size_t third = stamps.size() / 3;
   std::vector<double> slopes;
-  for (std::size_t i = 0; i + half < stamps.size(); ++i) {
-    const double step = seconds(stamps[i + half] - stamps[i]);
-    if (step > 0) slopes.push_back((offsets[i + half] - offsets[i]) / step);
+  for (std::size_t i = 0; i < stamps.size(); i += every) {
+    for (std::size_t j = i + third; j < stamps.size(); j += every) {
+      const double step = seconds(stamps[j] - stamps[i]);
+      if (step > 0) slopes.push_back((offsets[j] - offsets[i]) / step);
+    }
   }
   if (slopes.empty()) return std::nullopt;
-  OffsetLine line{0, median(slopes)};
+  return median(std::move(slopes));
+}
+
+/// The line that the offsets follow; nullopt: none.
+std::optional<OffsetLine> line_of(const std::vector<Stamp>& stamps,
+                                  const std::vector<double>& offsets, double tolerance_s) {
+  const auto drift = drift_of(stamps, offsets);
+  if (!drift) return std::nullopt;
+  OffsetLine line{0, *drift};
   std::vector<double> firsts;
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     firsts.push_back(offsets[i] - line.drift * seconds(stamps[i] - stamps.front()));
   }
   line.first_s = median(firsts);
+  const double grown_s = std::abs(line.drift) * seconds(stamps.back() - stamps.front());
+  const double near_s = std::max(tolerance_s, kStairs * grown_s);
   const auto follow = std::count_if(firsts.begin(), firsts.end(), [&](double first) {
-    return std::abs(first - line.first_s) <= tolerance_s;
+    return std::abs(first - line.first_s) <= near_s;
   });
   if (static_cast<double>(follow) < kFollows * static_cast<double>(firsts.size())) {
     return std::nullopt;

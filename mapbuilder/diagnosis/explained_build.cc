@@ -21,13 +21,6 @@ bool is_contradicted(const BuildResult& plain, const FitQuality& quality) {
          quality.joint_px > kPoorFit_px;
 }
 
-/// Whether the explanation is more than a camera that stands elsewhere.
-bool explains(const ExplainedCaptures& explained) {
-  return !explained.findings.empty() &&
-         std::none_of(explained.findings.begin(), explained.findings.end(),
-                      [](const Finding& finding) { return finding.cause == Cause::rig_displaced; });
-}
-
 void multiply_sizes(DetectedCapture& capture, double by) {
   auto entries = capture.catalog.entries();
   for (auto& entry : entries) {
@@ -172,7 +165,7 @@ class ExplainedBuilder {
   Status explain() {
     ExplainedCaptures explained =
         explain_captures(captures_, quality_.joint_px, as_stated_, progress_);
-    if (!explains(explained)) return {};
+    if (explained.findings.empty()) return {};
     for (Finding& finding : explained.findings) build_.causes.push_back(std::move(finding));
     return take(std::move(explained.captures));
   }
@@ -243,7 +236,23 @@ class ExplainedBuilder {
   bool z_is_up_ = true;
 };
 
+/// Whether a cause has named the camera whose lens or place a warning doubts.
+bool is_explained(const Finding& finding, const std::vector<Finding>& causes) {
+  if (finding.cause != Cause::rig_displaced && finding.cause != Cause::intrinsics) return false;
+  return std::any_of(causes.begin(), causes.end(), [&](const Finding& cause) {
+    return std::any_of(finding.cameras.begin(), finding.cameras.end(), [&](const auto& camera) {
+      return std::find(cause.cameras.begin(), cause.cameras.end(), camera) != cause.cameras.end();
+    });
+  });
+}
+
 }  // namespace
+
+std::vector<Finding> not_explained(std::vector<Finding> findings,
+                                   const std::vector<Finding>& causes) {
+  std::erase_if(findings, [&](const Finding& finding) { return is_explained(finding, causes); });
+  return findings;
+}
 
 Expected<ExplainedBuild> build_explained(const std::vector<DetectedCapture>& captures,
                                          Observations observations,

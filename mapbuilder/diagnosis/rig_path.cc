@@ -45,6 +45,46 @@ RigPath::RigPath(const CameraTracks& tracks, const Extrinsics& rig_from_cam, dou
   moves_ = judged >= 3 && 2 * smooth > judged;
 }
 
+double RigPath::gap_s(std::size_t before, std::size_t after) const {
+  return time_s_[after] - time_s_[before];
+}
+
+std::optional<std::size_t> RigPath::neighbour(std::size_t instant, int step) const {
+  for (auto i = static_cast<std::ptrdiff_t>(instant) + step;
+       i >= 0 && i < static_cast<std::ptrdiff_t>(time_s_.size()); i += step) {
+    const auto there = static_cast<std::size_t>(i);
+    if (!world_from_rig_[there]) continue;
+    if (std::abs(gap_s(instant, there)) > kLongestGap * period_s_) return std::nullopt;
+    return there;
+  }
+  return std::nullopt;
+}
+
+Vector6d RigPath::velocity(std::size_t instant) const {
+  const auto before = neighbour(instant, -1);
+  const auto after = neighbour(instant, 1);
+  const Rigid3& here = *world_from_rig_[instant];
+  Vector6d arriving = Vector6d::Zero();
+  Vector6d leaving = Vector6d::Zero();
+  if (before) arriving = here.minus(*world_from_rig_[*before]) / gap_s(*before, instant);
+  if (after) leaving = world_from_rig_[*after]->minus(here) / gap_s(instant, *after);
+  if (!before || !after) return arriving + leaving;
+  // The parabola through the three: the nearer neighbour tells more.
+  const double share = gap_s(instant, *after) / gap_s(*before, *after);
+  return share * arriving + (1.0 - share) * leaving;
+}
+
+Rigid3 RigPath::between(std::size_t before, std::size_t after, double share) const {
+  const Rigid3& start = *world_from_rig_[before];
+  const Vector6d step = world_from_rig_[after]->minus(start);
+  if (share < 0 || share > 1) return start.plus(share * step);
+  const double gap = gap_s(before, after);
+  const double s2 = share * share;
+  const double s3 = s2 * share;
+  return start.plus((s3 - 2 * s2 + share) * gap * velocity(before) + (3 * s2 - 2 * s3) * step +
+                    (s3 - s2) * gap * velocity(after));
+}
+
 std::optional<Rigid3> RigPath::motion(std::size_t instant, double offset_s) const {
   if (!world_from_rig_[instant]) return std::nullopt;
   const double when = time_s_[instant] + offset_s;
@@ -55,12 +95,11 @@ std::optional<Rigid3> RigPath::motion(std::size_t instant, double offset_s) cons
   while (before > 0 && !world_from_rig_[before]) --before;
   while (after + 1 < time_s_.size() && !world_from_rig_[after]) ++after;
   if (!world_from_rig_[before] || !world_from_rig_[after]) return std::nullopt;
-  const double gap = time_s_[after] - time_s_[before];
+  const double gap = gap_s(before, after);
   if (gap <= 0 || gap > kLongestGap * period_s_) return std::nullopt;
   const double share = (when - time_s_[before]) / gap;
   if (share < -1.5 || share > 2.5) return std::nullopt;  // beyond the ends: too far to extrapolate
-  const Rigid3 then = interpolate(*world_from_rig_[before], *world_from_rig_[after], share);
-  return then * world_from_rig_[instant]->inverse();
+  return between(before, after, share) * world_from_rig_[instant]->inverse();
 }
 
 }  // namespace waymark

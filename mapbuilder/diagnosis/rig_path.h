@@ -7,8 +7,8 @@
 
 namespace waymark {
 
-/// Where the rig was over time, as all cameras but one tell; between frame sets at constant
-/// velocity.
+/// Where the rig was over time, as all cameras but one tell; between frame sets on a cubic with the
+/// velocities that the neighbouring sets give, beyond the ends straight on.
 class RigPath {
  public:
   RigPath(const CameraTracks& tracks, const Extrinsics& rig_from_cam, double noise_scale,
@@ -29,6 +29,13 @@ class RigPath {
   [[nodiscard]] bool moves() const { return moves_; }
 
  private:
+  [[nodiscard]] double gap_s(std::size_t before, std::size_t after) const;
+  /// The next frame set with a pose, before (−1) or after (1), unless a gap lies between.
+  [[nodiscard]] std::optional<std::size_t> neighbour(std::size_t instant, int step) const;
+  /// Per second, world axes, at a frame set with a pose.
+  [[nodiscard]] Vector6d velocity(std::size_t instant) const;
+  [[nodiscard]] Rigid3 between(std::size_t before, std::size_t after, double share) const;
+
   std::vector<double> time_s_;
   std::vector<std::optional<Rigid3>> world_from_rig_;
   double period_s_ = 0;

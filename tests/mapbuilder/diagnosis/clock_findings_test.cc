@@ -69,16 +69,28 @@ TEST(ClockFindings, AnotherEpochIsToldWithHowFarItLies) {
   EXPECT_THAT(found[0].text, HasSubstr("53.9 years before"));
 }
 
-TEST(ClockFindings, ADriftIsToldWithItsRate) {
-  for (const double ppm : {-3000.0, 1500.0, 5000.0}) {
-    const auto found = found_in(drive(2, milliseconds(100), [&](Stamp s) {
-      return s + Stamp(static_cast<std::int64_t>(1e-6 * ppm *
-                                                 static_cast<double>((s - kStart).count())));
-    }));
-    ASSERT_EQ(found.size(), 1U) << ppm;
-    EXPECT_EQ(found[0].subject, "cam2");
-    EXPECT_NEAR(found[0].figures[0].value, 0.06 * ppm, 0.05 * 0.06 * std::abs(ppm))
-        << found[0].text;
+/// A clock that is off by so much after a while; with `stairs` it is only read now and then.
+Stamp drifted(Stamp stamp, double ppm, Stamp stairs) {
+  Stamp since = stamp - kStart;
+  if (stairs.count() > 0) since -= since % stairs;
+  return stamp + Stamp(static_cast<std::int64_t>(1e-6 * ppm * static_cast<double>(since.count())));
+}
+
+TEST(ClockFindings, ADriftIsToldWithItsRateSmoothOrInStairs) {
+  for (const int camera : {0, 1, 2}) {
+    for (const double ppm : {-3000.0, 900.0, 1500.0, 5000.0}) {
+      for (const int stairs_ms : {0, 600, 1400}) {
+        SCOPED_TRACE(testing::Message()
+                     << "cam" << camera << " " << ppm << " ppm, stairs of " << stairs_ms << " ms");
+        const auto found = found_in(drive(camera, milliseconds(100), [&](Stamp s) {
+          return drifted(s, ppm, milliseconds(stairs_ms));
+        }));
+        ASSERT_EQ(found.size(), 1U);
+        EXPECT_EQ(found[0].subject, "cam" + std::to_string(camera));
+        const double rate = 0.06 * ppm;  // ms/min
+        EXPECT_NEAR(found[0].figures[0].value, rate, 0.05 * std::abs(rate)) << found[0].text;
+      }
+    }
   }
 }
 

@@ -5,17 +5,9 @@
 #include <vector>
 
 #include "core/base/cause.h"
-#include "core/camera/rig.h"
-#include "mapbuilder/diagnosis/camera_tracks.h"
+#include "mapbuilder/diagnosis/rig_agreement.h"
 
 namespace waymark {
-
-/// How well a rig file is known that is right, one standard deviation per axis of rig_from_cam:
-/// twice what a calibration with a target leaves (1 mm, 0.05°). A hypothesis need not explain less.
-struct ExtrinsicSigmas {
-  double position_m = 0.002;       ///< (1e-5–0.1)
-  double rotation_rad = 0.001745;  ///< (1e-5–0.1) 0.1°
-};
 
 /// Why cameras that fit alone do not fit together.
 struct RigExplanation {
@@ -31,7 +23,8 @@ struct RigExplanation {
   std::string detail;          ///< plain words after the subject
   std::string remedy;
   /// The rig that explains the cameras; where time is the cause, that stated.
-  std::vector<Rigid3> rig_from_cam;
+  Extrinsics rig_from_cam;
+  bool turns_lenses = false;  ///< the driver turns images of `cameras`, principal points with them
   /// Observations of `cameras` from `since` on fit no rigid rig and are left out of the map.
   bool leave_out = false;
   /// Another cause that explains the cameras as well, for the rig is its own mirror image; empty
@@ -46,18 +39,5 @@ struct RigExplanation {
   [[nodiscard]] RigExplanation or_else() const;
   double gain = 0;  ///< 2 Δ ln L over the rig as stated, sigmas², less the price of its numbers
 };
-
-/// Holds the stated rig against where its cameras stood, and names the simplest cause of what does
-/// not fit: chain or link inverted, two exchanged, turned by a quarter or half, wrong unit, sizes
-/// against baselines, clock, frames out of step, bumped on the way, displaced. nullopt when the
-/// stated rig explains the tracks as well as any, or when no cause stands clearly above the others.
-///
-/// Every hypothesis predicts rig_from_cam of each camera and instant; the rig's pose is what most
-/// cameras of the instant agree on; misfits count bounded (Welsch's loss at 6 sigmas), scaled by
-/// the noise that the best hypothesis leaves. A hypothesis is priced by ln n per number that it
-/// frees; each may use what `stated` leaves open of the calibration.
-[[nodiscard]] std::optional<RigExplanation> explain_rig(const CameraTracks& tracks,
-                                                        const Rig& stated,
-                                                        const ExtrinsicSigmas& sigmas = {});
 
 }  // namespace waymark

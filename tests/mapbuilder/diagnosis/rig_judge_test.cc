@@ -1,7 +1,9 @@
-#include "mapbuilder/diagnosis/rig_hypotheses.h"
+#include "mapbuilder/diagnosis/rig_judge.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <numbers>
 
 #include "tests/mapbuilder/diagnosis/simulated_tracks.h"
 
@@ -138,6 +140,76 @@ TEST(RigHypotheses, ImagesThatAreAllTurnedAreNotACamerasFault) {
     // On rigs that are alike in a mirror, an inverted chain is the same.
     EXPECT_TRUE(found->cause == Cause::images_turned || found->cause == Cause::rig_inverted)
         << found->detail;
+  });
+}
+
+/// The rig with principal points of its own for each camera.
+Rig with_own_lenses(Rig rig) {
+  for (std::size_t k = 0; k < rig.cameras.size(); ++k) {
+    CameraParameters p = rig.cameras[k].model.parameters();
+    p.pu_px += 9.0 * static_cast<double>(k) - 6.0;
+    p.pv_px -= 7.0 * static_cast<double>(k);
+    rig.cameras[k].model = *CameraModel::create(p);
+  }
+  return rig;
+}
+
+/// How places look that are told by another lens: turned by what the principal points differ.
+Rigid3 seen_through(const CameraModel& assumed, const CameraModel& actual, bool turned) {
+  const CameraParameters& a = assumed.parameters();
+  const CameraParameters& b = actual.parameters();
+  const Eigen::Vector2d centre(0.5 * (a.width_px - 1), 0.5 * (a.height_px - 1));
+  const Eigen::Vector2d b_at = Eigen::Vector2d(b.pu_px, b.pv_px) - centre;
+  const Eigen::Vector2d there = turned ? Eigen::Vector2d(-b_at) : b_at;
+  // The camera's axis, seen through the assumed lens.
+  const Eigen::Vector3d axis = *assumed.bearing(centre + there);
+  const Eigen::Quaterniond to_axis =
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis);
+  const double angle = turned ? std::numbers::pi : 0.0;
+  return {(to_axis * Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ())).inverse(),
+          Eigen::Vector3d::Zero()};
+}
+
+TEST(RigHypotheses, ExchangedCamerasHaveExchangedLenses) {
+  for_rigs([](const SimulatedDrive& drive, const Extrinsics& truth,
+              const Extrinsics& calibrated_rig, unsigned seed) {
+    const Rig rig = with_own_lenses(rig_of(calibrated_rig));
+    const std::size_t first = seed % truth.size();
+    const std::size_t second = (first + 1) % truth.size();
+    const auto seen = [&](std::size_t assumed, std::size_t actual) {
+      return truth[actual] *
+             seen_through(rig.cameras[assumed].model, rig.cameras[actual].model, false);
+    };
+    Extrinsics apparent = truth;
+    apparent[first] = seen(first, second);
+    apparent[second] = seen(second, first);
+    const auto found = explain_rig(drive_tracks(drive, apparent), rig);
+    ASSERT_TRUE(found);
+    // Of two cameras an exchange is an inverted chain as well.
+    if (truth.size() == 2) {
+      EXPECT_TRUE(found->cause == Cause::rig_exchanged || found->cause == Cause::rig_inverted);
+      return;
+    }
+    EXPECT_EQ(found->cause, Cause::rig_exchanged) << found->detail;
+    EXPECT_EQ(found->cameras,
+              (std::vector<std::size_t>{std::min(first, second), std::max(first, second)}));
+  });
+}
+
+TEST(RigHypotheses, ImagesTurnedInTheDriverTurnThePrincipalPoint) {
+  for_rigs([](const SimulatedDrive& drive, const Extrinsics& truth,
+              const Extrinsics& calibrated_rig, unsigned) {
+    const Rig rig = with_own_lenses(rig_of(calibrated_rig));
+    Extrinsics apparent = truth;
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      apparent[k] = truth[k] * seen_through(rig.cameras[k].model, rig.cameras[k].model, true);
+    }
+    const auto found = explain_rig(drive_tracks(drive, apparent), rig);
+    ASSERT_TRUE(found);
+    // On rigs that are alike in a mirror, an inverted chain is the same.
+    EXPECT_TRUE(found->cause == Cause::images_turned || found->cause == Cause::rig_inverted)
+        << found->detail;
+    EXPECT_EQ(found->turns_lenses, found->cause == Cause::images_turned);
   });
 }
 

@@ -1,0 +1,316 @@
+#include "mapbuilder/diagnosis/lens_of_squares.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/base/median.h"
+#include "core/estimate/corner_residual.h"
+#include "core/estimate/ippe.h"
+#include "core/estimate/marker_observation.h"
+
+namespace waymark {
+namespace {
+
+using Vector8d = Eigen::Matrix<double, 8, 1>;
+using Matrix8d = Eigen::Matrix<double, 8, 8>;
+using Matrix86 = Eigen::Matrix<double, 8, 6>;
+
+constexpr std::size_t kFewest = 20;
+constexpr std::size_t kMost = 300;
+/// Squares that tell a start from another.
+constexpr std::size_t kCoarse = 80;
+/// Median of χ² with two freedoms: eight numbers less a pose.
+constexpr double kMedianChi2_2 = 1.386;
+/// Any size: poses of squares scale with it.
+constexpr double kSize_m = 1.0;
+
+std::vector<ImageCorners> thinned(std::span<const ImageCorners> squares, std::size_t most) {
+  std::vector<ImageCorners> kept;
+  const std::size_t count = std::min(most, squares.size());
+  for (std::size_t i = 0; i < count; ++i) kept.push_back(squares[i * squares.size() / count]);
+  return kept;
+}
+
+/// Residuals of a square in a pose with their derivatives.
+struct Linearized {
+  Vector8d residual;
+  Matrix86 by_pose;
+  Matrix8d by_lens;
+};
+
+std::optional<Linearized> linearize(const CameraModel& camera, const ImageCorners& square,
+                                    const Rigid3& cam_from_marker) {
+  Linearized all;
+  const CornerChain chain(camera, Rigid3{}, Rigid3{}, cam_from_marker);
+  const auto corners = marker_corners(kSize_m);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CornerJacobians pose;
+    CalibrationJacobians lens;
+    const auto residual = corner_residual(chain, corners[i], square[i], &pose, &lens);
+    if (!residual) return std::nullopt;
+    const auto row = static_cast<Eigen::Index>(2 * i);
+    all.residual.segment<2>(row) = *residual;
+    all.by_pose.middleRows<2>(row) = pose.d_marker;
+    all.by_lens.middleRows<2>(row) = lens.d_intrinsics;
+  }
+  return all;
+}
+
+/// Best pose of its own, from the better of the two that a square may have.
+std::optional<Rigid3> own_pose(const CameraModel& camera, const ImageCorners& square) {
+  const auto solutions = solve_ippe(camera, square, kSize_m);
+  if (!solutions) return std::nullopt;
+  constexpr int kIterations = 20;
+  const auto optimum =
+      minimize_pose(solutions->cam_from_marker[0], kIterations, [&](const Rigid3& pose) {
+        PoseEquations equations;
+        const auto all = linearize(camera, square, pose);
+        if (!all) return equations;
+        equations.hessian = all->by_pose.transpose() * all->by_pose;
+        equations.gradient = all->by_pose.transpose() * all->residual;
+        equations.cost = all->residual.squaredNorm();
+        equations.corners = 4;
+        return equations;
+      });
+  if (!optimum) return std::nullopt;
+  return optimum->pose;
+}
+
+double px_of(std::vector<double> squared) {
+  if (squared.empty()) return std::numeric_limits<double>::infinity();
+  return std::sqrt(median(squared) / kMedianChi2_2);
+}
+
+/// Misfit of IPPE's poses, good enough to tell starts apart; a square that has no pose counts as
+/// one that fits badly.
+double roughly_px(const CameraModel& camera, std::span<const ImageCorners> squares) {
+  std::vector<double> rms_px;
+  for (const ImageCorners& square : squares) {
+    const auto solutions = solve_ippe(camera, square, kSize_m);
+    rms_px.push_back(solutions ? solutions->rms_px[0] : std::numeric_limits<double>::infinity());
+  }
+  return median(rms_px);
+}
+
+/// What is stated and what may be meant: other focal lengths with the principal point as stated, in
+/// the middle, or of another resolution like them; the lens as stated or straight; images squeezed
+/// from 4:3 to 16:9 or back.
+std::vector<CameraParameters> starts_near(const CameraParameters& stated) {
+  std::vector<CameraParameters> starts;
+  constexpr int kSteps = 6;  // each way, by a third of an octave: a factor of four
+  for (int step = -kSteps; step <= kSteps; ++step) {
+    const double factor = std::pow(4.0, static_cast<double>(step) / kSteps);
+    CameraParameters focal = stated;
+    focal.fu_px *= factor;
+    focal.fv_px *= factor;
+    CameraParameters middle = focal;
+    middle.pu_px = 0.5 * (stated.width_px - 1);
+    middle.pv_px = 0.5 * (stated.height_px - 1);
+    CameraParameters resized = focal;
+    resized.pu_px = (stated.pu_px + 0.5) * factor - 0.5;
+    resized.pv_px = (stated.pv_px + 0.5) * factor - 0.5;
+    for (CameraParameters start : {focal, middle, resized}) {
+      starts.push_back(start);
+      start.coefficients = {};
+      starts.push_back(start);
+    }
+    for (const double squeeze : {0.75, 4.0 / 3.0}) {
+      starts.push_back(focal);
+      starts.back().fv_px *= squeeze;
+    }
+  }
+  return starts;
+}
+
+/// A straight lens that may bend.
+CameraParameters with_lens(CameraParameters p) {
+  if (p.distortion == Distortion::none) p.distortion = Distortion::radtan;
+  return p;
+}
+
+CameraParameters moved(CameraParameters p, const Vector8d& by) {
+  p.fu_px += by[0];
+  p.fv_px += by[1];
+  p.pu_px += by[2];
+  p.pv_px += by[3];
+  for (std::size_t k = 0; k < 4; ++k) p.coefficients[k] += by[static_cast<Eigen::Index>(4 + k)];
+  return p;
+}
+
+/// Fits a camera and the squares' own poses together, robustly (Tukey's biweight at six times what
+/// corners are worth).
+class LensFit {
+ public:
+  LensFit(const CameraModel& start, std::span<const ImageCorners> squares) : camera_(start) {
+    for (const ImageCorners& square : squares) {
+      if (const auto pose = own_pose(camera_, square)) squares_.push_back({square, *pose});
+    }
+  }
+
+  void run() {
+    constexpr int kIterations = 30;
+    double damping = 1e-3;
+    double cost = cost_of(camera_, poses());
+    for (int i = 0; i < kIterations && damping < 1e8; ++i) {
+      sigma_px_ = std::max(1e-3, px_of(squared(camera_, poses())));
+      cost = cost_of(camera_, poses());
+      const Step step = solve(damping);
+      const auto camera = CameraModel::create(moved(camera_.parameters(), step.lens));
+      const double next =
+          camera ? cost_of(*camera, step.poses) : std::numeric_limits<double>::infinity();
+      if (!(next < cost)) {
+        damping *= 8;
+        continue;
+      }
+      camera_ = *camera;
+      for (std::size_t s = 0; s < squares_.size(); ++s) squares_[s].pose = step.poses[s];
+      damping = std::max(1e-9, damping * 0.2);
+      constexpr double kNegligible = 1e-6;
+      if (cost - next < kNegligible * cost) break;
+    }
+  }
+
+  [[nodiscard]] LensOfSquares result() const {
+    return {camera_.parameters(), px_of(squared(camera_, poses()))};
+  }
+
+ private:
+  struct Square {
+    ImageCorners corners_px;
+    Rigid3 pose;
+  };
+  struct Step {
+    Vector8d lens = Vector8d::Zero();
+    std::vector<Rigid3> poses;
+  };
+
+  [[nodiscard]] std::vector<Rigid3> poses() const {
+    std::vector<Rigid3> all;
+    for (const Square& square : squares_) all.push_back(square.pose);
+    return all;
+  }
+
+  /// Squared residual per square (px²).
+  [[nodiscard]] std::vector<double> squared(const CameraModel& camera,
+                                            const std::vector<Rigid3>& poses) const {
+    std::vector<double> all;
+    for (std::size_t s = 0; s < squares_.size(); ++s) {
+      const auto one = linearize(camera, squares_[s].corners_px, poses[s]);
+      all.push_back(one ? one->residual.squaredNorm() : std::numeric_limits<double>::infinity());
+    }
+    return all;
+  }
+
+  static constexpr double kScale = 6.0;  // sigmas: nearly all of χ² with two freedoms
+
+  [[nodiscard]] double cost_of(const CameraModel& camera, const std::vector<Rigid3>& poses) const {
+    double cost = prior_cost(camera.parameters());
+    for (const double s : squared(camera, poses)) {
+      cost += robust_cost(Loss::tukey, kScale, s / (sigma_px_ * sigma_px_));
+    }
+    return cost;
+  }
+
+  /// What any lens is like, one standard deviation: it holds what the squares leave open.
+  [[nodiscard]] Vector8d prior_information() const {
+    const CameraParameters& p = camera_.parameters();
+    Vector8d sigma;
+    sigma << 10.0 * p.width_px, 10.0 * p.width_px, 0.15 * p.width_px, 0.15 * p.height_px, 0.5, 0.5,
+        0.05, 0.05;
+    if (p.distortion == Distortion::equidistant) sigma.tail<4>().setConstant(0.2);
+    return sigma.cwiseAbs2().cwiseInverse();
+  }
+  [[nodiscard]] static Vector8d off_prior(const CameraParameters& p) {
+    Vector8d off;
+    off << 0, 0, p.pu_px - 0.5 * (p.width_px - 1), p.pv_px - 0.5 * (p.height_px - 1),
+        p.coefficients[0], p.coefficients[1], p.coefficients[2], p.coefficients[3];
+    return off;
+  }
+  [[nodiscard]] double prior_cost(const CameraParameters& p) const {
+    const Vector8d off = off_prior(p);
+    return off.dot(prior_information().cwiseProduct(off));
+  }
+
+  [[nodiscard]] Step solve(double damping) const {
+    struct Eliminated {
+      Vector6d offset = Vector6d::Zero();
+      Eigen::Matrix<double, 6, 8> back = Eigen::Matrix<double, 6, 8>::Zero();
+    };
+    const Vector8d prior = prior_information();
+    Matrix8d hessian = prior.asDiagonal();
+    Vector8d gradient = prior.cwiseProduct(off_prior(camera_.parameters()));
+    std::vector<Eliminated> eliminated(squares_.size());
+    for (std::size_t s = 0; s < squares_.size(); ++s) {
+      const auto one = linearize(camera_, squares_[s].corners_px, squares_[s].pose);
+      if (!one) continue;
+      const double weight = robust_weight(Loss::tukey, kScale,
+                                          one->residual.squaredNorm() / (sigma_px_ * sigma_px_)) /
+                            (sigma_px_ * sigma_px_);
+      if (weight <= 0) continue;
+      Matrix6d pose = one->by_pose.transpose() * one->by_pose;
+      pose.diagonal() *= 1.0 + damping;
+      const Eigen::LDLT<Matrix6d> factor(pose);
+      const Eigen::Matrix<double, 6, 8> cross = one->by_pose.transpose() * one->by_lens;
+      eliminated[s].offset = factor.solve(one->by_pose.transpose() * one->residual);
+      eliminated[s].back = factor.solve(cross);
+      hessian += weight *
+                 (one->by_lens.transpose() * one->by_lens - cross.transpose() * eliminated[s].back);
+      gradient += weight * (one->by_lens.transpose() * one->residual -
+                            cross.transpose() * eliminated[s].offset);
+    }
+    hessian.diagonal() *= 1.0 + damping;
+    Step step;
+    step.lens = -hessian.ldlt().solve(gradient);
+    for (std::size_t s = 0; s < squares_.size(); ++s) {
+      step.poses.push_back(
+          squares_[s].pose.plus(-(eliminated[s].offset + eliminated[s].back * step.lens)));
+    }
+    return step;
+  }
+
+  CameraModel camera_;
+  std::vector<Square> squares_;
+  double sigma_px_ = 1.0;
+};
+
+}  // namespace
+
+double own_misfit_px(const CameraModel& camera, std::span<const ImageCorners> squares) {
+  std::vector<double> squared;
+  for (const ImageCorners& square : thinned(squares, kMost)) {
+    const auto pose = own_pose(camera, square);
+    const auto one = pose ? linearize(camera, square, *pose) : std::nullopt;
+    if (one) squared.push_back(one->residual.squaredNorm());
+  }
+  return px_of(std::move(squared));
+}
+
+std::optional<LensOfSquares> lens_of_squares(const CameraParameters& stated,
+                                             std::span<const ImageCorners> squares) {
+  if (squares.size() < kFewest) return std::nullopt;
+  const std::vector<ImageCorners> few = thinned(squares, kCoarse);
+  std::vector<std::pair<double, CameraModel>> starts;
+  for (const CameraParameters& start : starts_near(with_lens(stated))) {
+    if (auto model = CameraModel::create(start)) {
+      const double misfit_px = roughly_px(*model, few);
+      starts.emplace_back(misfit_px, *std::move(model));
+    }
+  }
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  constexpr std::size_t kRefined = 3;
+  const std::vector<ImageCorners> many = thinned(squares, kMost);
+  std::optional<LensOfSquares> best;
+  for (std::size_t i = 0; i < std::min(kRefined, starts.size()); ++i) {
+    LensFit fit(starts[i].second, many);
+    fit.run();
+    const LensOfSquares found = fit.result();
+    if (!best || found.own_px < best->own_px) best = found;
+  }
+  return best;
+}
+
+}  // namespace waymark

@@ -1,0 +1,175 @@
+#include "mapbuilder/diagnosis/rig_file_hypotheses.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <numbers>
+
+#include "core/geometry/decompositions.h"
+
+namespace waymark {
+namespace {
+
+constexpr const char* kInvertLink =
+    "Invert the transform in rig.yaml: T_cn_cnm1 takes points of camera n-1 into camera n.";
+constexpr const char* kOtherWayRound = "T_cn_cnm1 is written the other way round";
+
+/// What a driver does to images of unchanged size.
+enum class Turning { none, half };
+
+/// How the directions that a lens gives to an image's pixels turn against those of the lens that
+/// took it: principal points that differ look like a turn of the camera.
+Eigen::Quaterniond assumed_from_actual(const CameraModel& assumed, const CameraModel& actual,
+                                       Turning turning) {
+  const CameraParameters& p = assumed.parameters();
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
+  for (const double u : {0.2, 0.5, 0.8}) {
+    for (const double v : {0.2, 0.5, 0.8}) {
+      const Eigen::Vector2d pixel(u * (p.width_px - 1), v * (p.height_px - 1));
+      const Eigen::Vector2d taken =
+          turning == Turning::half
+              ? Eigen::Vector2d(p.width_px - 1 - pixel.x(), p.height_px - 1 - pixel.y())
+              : pixel;
+      const auto there = assumed.bearing(pixel);
+      const auto here = actual.bearing(taken);
+      if (there && here) sum += *there * here->transpose();
+    }
+  }
+  // Kabsch's: a rotation, never a reflection.
+  const SingularVectors svd = singular_vectors(sum);
+  const Eigen::Vector3d signs(1, 1, (svd.u * svd.v.transpose()).determinant() < 0 ? -1 : 1);
+  return Eigen::Quaterniond(Eigen::Matrix3d(svd.u * signs.asDiagonal() * svd.v.transpose()));
+}
+
+class FileHypotheses {
+ public:
+  explicit FileHypotheses(const RigCase& rig) : rig_(rig) {}
+
+  std::vector<RigHypothesis> all() {
+    add_inverted_links();
+    add_inverted_body();
+    add_exchanged();
+    for (const int angle : {90, 180, 270}) {
+      add_all_turned(angle);
+      for (std::size_t k = 0; k < rig_.cameras(); ++k) add_turned(k, angle);
+    }
+    return std::move(all_);
+  }
+
+ private:
+  void add(Cause cause, std::vector<std::size_t> concerned, const Extrinsics& places,
+           std::string detail, std::string remedy, Turning turning = Turning::none) {
+    RigHypothesis h = rig_.hypothesis();
+    h.listed = true;
+    h.explanation.cause = cause;
+    h.explanation.cameras = std::move(concerned);
+    h.explanation.detail = std::move(detail);
+    h.explanation.remedy = std::move(remedy);
+    h.explanation.turns_lenses = turning == Turning::half;
+    rig_.evaluate(h, places);
+    all_.push_back(std::move(h));
+  }
+
+  /// Chains of T_cn_cnm1 with the links marked written the other way round.
+  [[nodiscard]] Extrinsics with_inverted_links(const std::vector<char>& inverted) const {
+    Extrinsics places = rig_.stated();
+    for (std::size_t n = 1; n < places.size(); ++n) {
+      const Rigid3 before_from_cam = rig_.stated()[n - 1].inverse() * rig_.stated()[n];
+      places[n] = places[n - 1] * (inverted[n] != 0 ? before_from_cam.inverse() : before_from_cam);
+    }
+    return places;
+  }
+
+  void add_inverted_links() {
+    const std::vector<char> every(rig_.cameras(), 1);
+    add(Cause::rig_inverted, rig_.all_but_first(), with_inverted_links(every), kOtherWayRound,
+        kInvertLink);
+    if (rig_.cameras() == 2) return;
+    for (std::size_t n = 1; n < rig_.cameras(); ++n) {
+      std::vector<char> one(rig_.cameras(), 0);
+      one[n] = 1;
+      add(Cause::rig_inverted, {n}, with_inverted_links(one), kOtherWayRound, kInvertLink);
+    }
+  }
+
+  void add_inverted_body() {
+    if (rig_.stated().front().minus(Rigid3{}).squaredNorm() < 1e-12) return;
+    Extrinsics places;
+    for (const Rigid3& x : rig_.stated()) places.push_back(x.inverse());
+    add(Cause::rig_inverted, rig_.every_camera(), places,
+        "T_cam_imu is written the other way round (T_imu_cam)",
+        "Invert T_cam_imu in rig.yaml: it takes points of the body into the camera.");
+  }
+
+  void add_exchanged() {
+    for (std::size_t i = 0; i < rig_.cameras(); ++i) {
+      for (std::size_t j = i + 1; j < rig_.cameras(); ++j) {
+        Extrinsics places = rig_.stated();
+        places[i] = seen_by(j, i, Turning::none);
+        places[j] = seen_by(i, j, Turning::none);
+        add(Cause::rig_exchanged, {i, j}, places, "each stands where rig.yaml has the other",
+            "Exchange their folders or plugs, and name cameras by serial number.");
+      }
+    }
+  }
+
+  /// Where camera `actual` seems to stand while its images go through the lens of `assumed`.
+  [[nodiscard]] Rigid3 seen_by(std::size_t actual, std::size_t assumed, Turning turning) const {
+    const Eigen::Quaterniond off =
+        assumed_from_actual(rig_.lens_of_places(assumed), rig_.stated_lens(actual), turning);
+    return rig_.stated()[actual] * Rigid3{off.inverse(), Eigen::Vector3d::Zero()};
+  }
+
+  static Rigid3 turned(int angle_deg) {
+    return {Eigen::Quaterniond(
+                Eigen::AngleAxisd(angle_deg * std::numbers::pi / 180.0, Eigen::Vector3d::UnitZ())),
+            Eigen::Vector3d::Zero()};
+  }
+
+  void add_all_turned(int angle_deg) {
+    Extrinsics hung = rig_.stated();
+    for (Rigid3& x : hung) x = x * turned(angle_deg);
+    add_all_turned(angle_deg, hung, Turning::none);
+    if (angle_deg != 180) return;
+    Extrinsics turned_in_driver;
+    for (std::size_t k = 0; k < rig_.cameras(); ++k) {
+      turned_in_driver.push_back(seen_by(k, k, Turning::half));
+    }
+    add_all_turned(angle_deg, turned_in_driver, Turning::half);
+  }
+
+  void add_all_turned(int angle_deg, const Extrinsics& places, Turning turning) {
+    add(angle_deg == 180 ? Cause::images_turned : Cause::rig_turned, rig_.every_camera(), places,
+        fmt::format("all images are turned by {}° against rig.yaml", angle_deg),
+        "See whether the driver turns images; switch that off, or correct the rotations in "
+        "rig.yaml.",
+        turning);
+  }
+
+  void add_turned(std::size_t camera, int angle_deg) {
+    add_turned(camera, angle_deg, rig_.stated()[camera] * turned(angle_deg), Turning::none);
+    if (angle_deg != 180) return;
+    add_turned(camera, angle_deg, seen_by(camera, camera, Turning::half), Turning::half);
+  }
+
+  void add_turned(std::size_t camera, int angle_deg, const Rigid3& place, Turning turning) {
+    Extrinsics places = rig_.stated();
+    places[camera] = place;
+    add(Cause::rig_turned, {camera}, places,
+        fmt::format("it is turned by {}° about its optical axis against rig.yaml", angle_deg),
+        "See which way up it hangs and whether its driver turns images; correct its rotation in "
+        "rig.yaml.",
+        turning);
+  }
+
+  const RigCase& rig_;
+  std::vector<RigHypothesis> all_;
+};
+
+}  // namespace
+
+std::vector<RigHypothesis> rig_file_hypotheses(const RigCase& rig) {
+  return FileHypotheses(rig).all();
+}
+
+}  // namespace waymark
