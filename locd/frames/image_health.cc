@@ -98,19 +98,24 @@ void ImageHealth::look(std::size_t camera, std::span<const Detection> detections
 
 void ImageHealth::compare(std::size_t camera, std::uint64_t hash, Stamp stamp,
                           std::vector<Alert>& alerts) {
-  Camera& state = cameras_[camera];
+  Images& images = cameras_[camera].images;
   const auto known =
-      state.hashes.begin() + static_cast<std::ptrdiff_t>(std::min(state.images, kRemembered));
-  const bool repeats = std::find(state.hashes.begin(), known, hash) != known;
-  const bool as_last = state.images > 0 && hash == state.last_hash;
-  state.identical = as_last ? state.identical + 1 : 1;
+      images.hashes.begin() + static_cast<std::ptrdiff_t>(std::min(images.different, kRemembered));
+  const bool repeats = std::find(images.hashes.begin(), known, hash) != known;
+  const bool as_last = images.different > 0 && hash == images.last_hash;
+  images.identical = as_last ? images.identical + 1 : 1;
   // One that equals the last says nothing new of whether old images come again.
-  if (!as_last) state.older = repeats ? state.older + 1 : 0;
-  state.last_hash = hash;
-  if (!repeats) state.hashes[state.images++ % kRemembered] = hash;
+  if (!as_last) images.older = repeats ? images.older + 1 : 0;
+  images.last_hash = hash;
+  if (!repeats) images.hashes[images.different++ % kRemembered] = hash;
   repeated_ = repeats ? repeated_ | camera_bit(camera) : repeated_ & ~camera_bit(camera);
-  note(camera, kFrozen, state.identical >= options_.identical_images, 1, stamp, alerts);
-  note(camera, kStale, state.older >= options_.identical_images, 1, stamp, alerts);
+  note(camera, kFrozen, images.identical >= options_.identical_images, 1, stamp, alerts);
+  note(camera, kStale, images.older >= options_.identical_images, 1, stamp, alerts);
+}
+
+void ImageHealth::remember_images_of(const ImageHealth& before) {
+  const std::size_t same = std::min(cameras_.size(), before.cameras_.size());
+  for (std::size_t c = 0; c < same; ++c) cameras_[c].images = before.cameras_[c].images;
 }
 
 void ImageHealth::sum_up(std::size_t camera) {

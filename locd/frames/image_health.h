@@ -44,6 +44,10 @@ class ImageHealth {
   void look(std::size_t camera, std::span<const Detection> detections, Stamp stamp,
             std::vector<Alert>& alerts);
 
+  /// Takes over which images the same cameras gave before, so that one of them is known when it
+  /// comes again; faults begin anew, with the next image.
+  void remember_images_of(const ImageHealth& before);
+
   /// Cameras that can't be used now.
   [[nodiscard]] CameraMask unhealthy() const { return unhealthy_; }
   /// Cameras whose newest image is one of their last: it tells nothing of now, whether or not that
@@ -57,12 +61,16 @@ class ImageHealth {
     bool raised = false;
   };
   static constexpr std::size_t kFaults = 5;
-  struct Camera {
+  /// What a camera gave.
+  struct Images {
     std::array<std::uint64_t, kRemembered> hashes{};  ///< of different images, a ring
-    std::size_t images = 0;                           ///< put into it, ever
+    std::size_t different = 0;                        ///< put into it, ever
     std::uint64_t last_hash = 0;
-    int identical = 0;                  ///< images in a row, this one included
-    int older = 0;                      ///< images in a row that equal an older one than the last
+    int identical = 0;  ///< in a row, this one included
+    int older = 0;      ///< in a row that equal an older one than the last
+  };
+  struct Camera {
+    Images images;
     std::array<Fault, kFaults> faults;  ///< by kKinds
   };
   void compare(std::size_t camera, std::uint64_t hash, Stamp stamp, std::vector<Alert>& alerts);

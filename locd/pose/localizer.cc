@@ -389,6 +389,10 @@ void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {
 
 CameraMask Localizer::unhealthy_cameras() const { return implementation_->health.unhealthy(); }
 
+void Localizer::remember_images_of(const Localizer& before) {
+  implementation_->health.remember_images_of(before.implementation_->health);
+}
+
 void Localizer::forget_motion() {
   implementation_->motion.reset();
   implementation_->gate.forget();

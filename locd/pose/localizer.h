@@ -38,7 +38,8 @@ struct LocalizerOptions {
 /// From frame sets to poses that can be trusted: finds markers in all cameras, solves for the rig
 /// against the fixed map, judges the result, and watches map, cameras and images over time. One
 /// thread calls it. After some sets it allocates nothing but what the detector's libraries do.
-/// Reloading: make another one aside and swap; it knows no prior, velocity or statistics.
+/// Reloading: make another one aside and swap; it knows no prior, velocity or statistics, and no
+/// images but by remember_images_of().
 class Localizer {
  public:
   /// Copies what it needs of rig and map. The rig has extrinsics or one camera, at most
@@ -58,6 +59,10 @@ class Localizer {
   /// Discards prior and velocity, for the vehicle may have been moved unseen (the machine slept);
   /// statistics stay.
   void forget_motion();
+
+  /// Takes over from the localizer that this one replaces which images the cameras gave: one that
+  /// comes again after a reload is no new one. No allocation.
+  void remember_images_of(const Localizer& before);
 
   /// Markers that the map watch distrusts, to be kept across restarts: whether they are others than
   /// at the last call of list_quarantine().

@@ -93,6 +93,10 @@ void LocalizationThread::adopt_next_map() {
     replaced_.swap(next_);
     std::swap(*replaced_, in_use_);
     replaced_->news.replaced = true;
+    // Cameras know of no reload: what they gave before it is old after it.
+    if (in_use_.map.localizer != nullptr && replaced_->map.localizer != nullptr) {
+      in_use_.map.localizer->remember_images_of(*replaced_->map.localizer);
+    }
   }
   telemetry_.set_map(*in_use_.map.identity);
 }

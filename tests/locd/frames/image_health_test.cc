@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <initializer_list>
 #include <set>
+#include <tuple>
 
 namespace waymark {
 namespace {
@@ -52,6 +54,37 @@ TEST(ImageHealth, ThreeIdenticalImagesAreFrozenTwoAreNot) {
   EXPECT_EQ(frozen.alerts[0].kind, AlertKind::image_frozen);
   EXPECT_EQ(frozen.alerts[0].camera, 1);
   EXPECT_EQ(frozen.unhealthy, camera_bit(1));
+}
+
+TEST(ImageHealth, ImagesFromBeforeAReloadAreKnownAfterIt) {
+  ImageHealth before(2);
+  std::vector<Alert> alerts;
+  for (int i = 0; i < 5; ++i) before.look(1, wall(i).view(), std::chrono::milliseconds(i), alerts);
+  ImageHealth after(2);
+  after.remember_images_of(before);
+  EXPECT_EQ(after.repeated(), 0U);
+  // The last one, an older one, a new one; the other camera never gave any of them.
+  for (const auto& [camera, number, known] :
+       std::initializer_list<std::tuple<std::size_t, int, bool>>{
+           {1, 4, true}, {1, 2, true}, {1, 9, false}, {0, 4, false}}) {
+    after.look(camera, wall(number).view(), std::chrono::milliseconds(9), alerts);
+    EXPECT_EQ((after.repeated() & camera_bit(camera)) != 0, known) << camera << ' ' << number;
+  }
+  EXPECT_TRUE(alerts.empty());
+}
+
+TEST(ImageHealth, AFrozenCameraIsNamedAnewAfterAReload) {
+  ImageHealth before(1);
+  std::vector<Alert> alerts;
+  for (int i = 0; i < 3; ++i) before.look(0, wall(7).view(), std::chrono::milliseconds(i), alerts);
+  ImageHealth after(1);
+  after.remember_images_of(before);
+  EXPECT_EQ(after.unhealthy(), 0U);
+  alerts.clear();
+  after.look(0, wall(7).view(), std::chrono::milliseconds(3), alerts);
+  ASSERT_EQ(alerts.size(), 1U);
+  EXPECT_EQ(alerts[0].kind, AlertKind::image_frozen);
+  EXPECT_EQ(after.unhealthy(), camera_bit(0));
 }
 
 TEST(ImageHealth, DarkSaturatedObscured) {

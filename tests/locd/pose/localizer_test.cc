@@ -334,6 +334,21 @@ TEST(Localizer, DetectionsThatWereGivenBeforeNeverMakeAnOkPose) {
   EXPECT_EQ(localizer.unhealthy_cameras(), 7U);
 }
 
+TEST(Localizer, WhatWasGivenBeforeAReloadMakesNoPoseAfterIt) {
+  RoomDrive drive(test::make_room(usual(60)));
+  const MarkerMap map = test::room_map(drive.room());
+  Localizer before(drive.room().rig, map, {});
+  PoseEstimate estimate;
+  for (std::size_t i = 0; i < 10; ++i) before.localize(drive.set(i), estimate);
+  ASSERT_EQ(estimate.status, PoseStatus::ok);
+  Localizer after(drive.room().rig, map, {});
+  after.remember_images_of(before);
+  after.localize(drive.set(9), estimate);
+  EXPECT_EQ(estimate.status, PoseStatus::lost) << "the same detections";
+  after.localize(drive.set(10), estimate);
+  EXPECT_NE(estimate.status, PoseStatus::lost) << "new ones";
+}
+
 TEST(LocalizerOptions, TellWhichFieldLiesOutsideItsRange) {
   EXPECT_TRUE(LocalizerOptions{}.check());
   const auto said = [](const auto& change) {
