@@ -23,6 +23,10 @@ constexpr double kMinLead = 10.0;
 /// A cause explains at least a third of the misfit; less is a calibration that could be better.
 constexpr double kMinCostRatio = 1.5;
 
+/// Of an explanation with more numbers, the share (0.5–0.9) that one with fewer must explain to
+/// come first: a delay's remaining misfit is the path's own noise, a bump's can be fitted to it.
+constexpr double kSimplerExplains = 0.7;
+
 /// What may be the matter, by who would check it first.
 std::vector<RigHypothesis> hypotheses_of(const RigCase& rig) {
   std::vector<RigHypothesis> all = rig_file_hypotheses(rig);
@@ -79,6 +83,23 @@ double lens_misfit(const CameraTracks& tracks, const Rig& stated, const RigExpla
   return sum;
 }
 
+/// Whether one of fewer numbers explains nearly what the other does.
+bool comes_before(const RigHypothesis& simple, const RigHypothesis& other) {
+  return simple.numbers < other.numbers &&
+         simple.explanation.gain > kSimplerExplains * other.explanation.gain;
+}
+
+/// The one of fewest numbers that explains nearly what the best does.
+const RigHypothesis& simplest_of(const std::vector<RigHypothesis>& all, const RigHypothesis& best) {
+  const RigHypothesis* simplest = &best;
+  for (const RigHypothesis& h : all) {
+    if (!comes_before(h, best) || h.numbers > simplest->numbers) continue;
+    const bool fewer = h.numbers < simplest->numbers;
+    if (fewer || h.explanation.gain > simplest->explanation.gain) simplest = &h;
+  }
+  return *simplest;
+}
+
 bool same_culprit(const RigExplanation& a, const RigExplanation& b) {
   return a.cause == b.cause && a.cameras == b.cameras;
 }
@@ -102,11 +123,11 @@ std::optional<RigExplanation> verdict(const std::vector<RigHypothesis>& all, dou
   const double enough = gain(*most) - kMinLead;
   const auto first = std::find_if(
       all.begin(), all.end(), [&](const RigHypothesis& h) { return h.listed && gain(h) > enough; });
-  const RigHypothesis& best = first != all.end() ? *first : *most;
+  const RigHypothesis& best = first != all.end() ? *first : simplest_of(all, *most);
   const RigHypothesis* rival = nullptr;
   for (const RigHypothesis& h : all) {
     if (same_culprit(h.explanation, best.explanation) || gain(h) < gain(best) - kMinLead) continue;
-    if (best.listed && !h.listed) continue;
+    if ((best.listed && !h.listed) || comes_before(best, h)) continue;
     if (rival == nullptr || gain(h) > gain(*rival)) rival = &h;
   }
   RigExplanation explanation = best.explanation;
