@@ -38,9 +38,17 @@ void add_finding(Finding finding, std::vector<Finding>& findings) {
   findings.push_back(std::move(finding));
 }
 
-/// Holds where the cameras of each capture stood, in a mono build of `built`, against its rig.
-void explain_rigs(const MonoBuild& mono, const std::vector<DetectedCapture>& built,
+/// Holds where the cameras of each capture stood, in a mono build of `built`, against its rig. All
+/// of a capture's images at once fit to `joint_px`.
+void explain_rigs(const std::vector<DetectedCapture>& built, double joint_px,
+                  const BuildOptions& options, Progress& progress,
                   std::vector<LensEvidence>& lenses, ExplainedCaptures& explained) {
+  // Each image on its own fits so much better than all together: the lenses are not to blame.
+  constexpr double kFitsAlone = 0.25;
+  const auto built_alone = build_mono(built, options, progress);
+  if (!built_alone) return;
+  const MonoBuild& mono = *built_alone;
+  if (mono.quality.contradicts() && mono.quality.joint_px >= kFitsAlone * joint_px) return;
   for (const CaptureIndex c : mono.observations.captures.indices()) {
     const std::size_t place = mono.observations.captures[c].place;
     DetectedCapture& capture = explained.captures[place];
@@ -108,30 +116,27 @@ bool explain_prints(const MonoBuild& as_stated, const MonoBuild& with_lenses,
 
 ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures, double joint_px,
                                    const BuildOptions& options, Progress& progress) {
-  // Each image on its own fits so much better than all together: the lenses are not to blame.
-  constexpr double kFitsAlone = 0.25;
+  // So many of each camera's images tell lenses and prints; where cameras stood, all do.
+  constexpr std::size_t kImages = 60;
   ExplainedCaptures explained{captures, {}};
   std::vector<LensEvidence> lenses(captures.size());
   std::vector<DetectedCapture> built = captures;
-  auto mono = build_mono(captures, options, progress);
-  if (!mono) return explained;
-  if (is_poor(mono->quality)) {
+  const auto few = build_mono(thinned(captures, kImages), options, progress);
+  if (!few) return explained;
+  if (is_poor(few->quality)) {
     // Where cameras stood is told by lenses that fit their images, whatever is wrong with the
     // stated ones: exchanged cameras and turned images bend them, too.
     lenses = lens_evidence_of(captures, options);
     built = with_fitted_lenses(captures, lenses);
-    auto fitted = build_mono(built, options, progress);
+    const auto fitted = build_mono(thinned(built, kImages), options, progress);
     if (!fitted) return explained;
-    if (explain_prints(*mono, *fitted, options, explained)) {
+    if (explain_prints(*few, *fitted, options, explained)) {
       lenses.assign(captures.size(), {});
       built = explained.captures;
-      fitted = build_mono(built, options, progress);
-      if (!fitted) return explained;
     }
-    mono = std::move(fitted);
   }
-  if (!mono->quality.contradicts() || mono->quality.joint_px < kFitsAlone * joint_px) {
-    explain_rigs(*mono, built, lenses, explained);
+  if (std::any_of(captures.begin(), captures.end(), has_a_rig)) {
+    explain_rigs(built, joint_px, options, progress, lenses, explained);
   }
   for (std::size_t c = 0; c < captures.size(); ++c) {
     for (Finding& finding : correct_lenses(lenses[c], explained.captures[c])) {
