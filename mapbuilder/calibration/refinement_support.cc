@@ -7,11 +7,11 @@
 
 #include "core/base/told_apart.h"
 #include "core/geometry/decompositions.h"
+#include "core/geometry/degrees.h"
 
 namespace waymark {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
 constexpr Eigen::Index kExtrinsics = 6;
 constexpr Eigen::Index kIntrinsics = 8;
 

@@ -10,14 +10,13 @@
 #include <set>
 #include <utility>
 
+#include "core/geometry/degrees.h"
 #include "core/geometry/symmetric_factor.h"
 #include "mapbuilder/bundle/constant_direction.h"
 #include "mapbuilder/diagnosis/baseline_scale.h"
 
 namespace waymark {
 namespace {
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
 
 Finding refusal(const CalibrationResult& calibration) {
   Finding finding;

@@ -7,6 +7,8 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/median.h"
+
 namespace waymark {
 namespace {
 
@@ -22,12 +24,6 @@ constexpr double kFollows = 0.8;
 constexpr double kStairs = 0.15;
 
 double seconds(Stamp stamp) { return std::chrono::duration<double>(stamp).count(); }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Stamps per camera, rising, and how many of them are in a frame set with another camera.
 struct CameraStamps {
@@ -83,7 +79,7 @@ double period_of(const std::vector<Stamp>& stamps) {
   for (std::size_t i = 1; i < stamps.size(); ++i) {
     steps.push_back(seconds(stamps[i] - stamps[i - 1]));
   }
-  return median(std::move(steps));
+  return median(steps);
 }
 
 /// How fast the offsets grow (s/s): the median over pairs at least a third of the series apart
@@ -101,7 +97,7 @@ std::optional<double> drift_of(const std::vector<Stamp>& stamps,
     }
   }
   if (slopes.empty()) return std::nullopt;
-  return median(std::move(slopes));
+  return median(slopes);
 }
 
 /// The line that the offsets follow; nullopt: none.

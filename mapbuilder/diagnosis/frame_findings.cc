@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "core/geometry/degrees.h"
+
 namespace waymark {
 
 namespace {
 
 Finding moved(const MovedMarker& marker, std::size_t unmoved, bool with_family) {
-  constexpr double kDegreesPerRadian = 57.29577951308232;
   Finding finding;
   finding.cause = Cause::moved;
   finding.subject = subject_of({marker.id}, with_family);

@@ -8,14 +8,16 @@
 #include <limits>
 #include <map>
 
+#include "core/base/median.h"
 #include "core/geometry/alignment.h"
+#include "core/geometry/degrees.h"
 #include "mapbuilder/build/world_frame.h"
+#include "mapbuilder/diagnosis/length_unit.h"
 #include "mapbuilder/diagnosis/place_agreement.h"
 
 namespace waymark {
 namespace {
 
-constexpr double kDegreesPerRadian = 57.29577951308232;
 /// Of two maps of one place (no survey: each by its stated sizes).
 const double kScaleSigma = BundleScope{}.size_sigma;
 /// What somebody measured and did not say how surely (m).
@@ -67,12 +69,6 @@ bool on_a_line(const std::vector<Shared>& shared) {
   return lie_on_a_line(points);
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// "about its z by 90°": a turn that is simple to say.
 std::string turn_text(const Eigen::Quaterniond& turn) {
   const Eigen::AngleAxisd angle_axis(turn);
@@ -121,7 +117,8 @@ class MapJudge {
   void judge_sizes(const PlaceAgreement& agreement) {
     std::vector<double> ratios;
     for (const Shared& one : shared_) ratios.push_back(one.mapped->size_m / one.own->size_m);
-    const double ratio = median(ratios);
+    std::vector<double> in_order = ratios;
+    const double ratio = median(in_order);
     constexpr double kSameSize = 0.005;
     size_ratio_ = ratio;
     if (std::abs(ratio - 1) > kSameSize) {
@@ -168,14 +165,14 @@ class MapJudge {
     const bool as_sizes = std::abs(agreement.scale / size_ratio_ - 1) < kSigmas * kScaleSigma;
     if (!scaled || as_sizes) return;
     const auto unit = unit_of(agreement.scale);
-    Finding& finding = add(
-        Cause::map_misfit, Severity::error, {},
-        unit
-            ? fmt::format("its positions are {:.4g} times too long: in {}?", agreement.scale, *unit)
-            : fmt::format("its positions are {:.1f} % too {} for its sizes.",
-                          100 * std::abs(agreement.scale - 1),
-                          agreement.scale > 1 ? "long" : "short"),
-        "Write positions in metres; measure the outer edge of a marker's black border.");
+    Finding& finding =
+        add(Cause::map_misfit, Severity::error, {},
+            unit ? fmt::format("its positions are {:.4g} times too long: in {}?", agreement.scale,
+                               unit->name)
+                 : fmt::format("its positions are {:.1f} % too {} for its sizes.",
+                               100 * std::abs(agreement.scale - 1),
+                               agreement.scale > 1 ? "long" : "short"),
+            "Write positions in metres; measure the outer edge of a marker's black border.");
     finding.figures = {{"factor", agreement.scale, "", agreement.scale * agreement.scale_sigma}};
   }
 

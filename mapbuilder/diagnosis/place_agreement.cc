@@ -283,14 +283,4 @@ std::optional<PlaceAgreement> agreement_of(std::span<const MeasuredPlace> places
   return Agreer(places, scale_sigma).agree();
 }
 
-std::optional<const char*> unit_of(double per_metre) {
-  constexpr double kSameUnit = 0.04;
-  constexpr std::array<std::pair<double, const char*>, 4> kUnits = {
-      {{1000, "mm"}, {100, "cm"}, {39.3701, "inches"}, {3.28084, "feet"}}};
-  for (const auto& [value, name] : kUnits) {
-    if (std::abs(per_metre / value - 1.0) < kSameUnit) return name;
-  }
-  return std::nullopt;
-}
-
 }  // namespace waymark

@@ -62,7 +62,4 @@ struct PlaceAgreement {
 [[nodiscard]] std::optional<PlaceAgreement> agreement_of(std::span<const MeasuredPlace> places,
                                                          double scale_sigma);
 
-/// "mm", "cm", "inches", "feet" where measured lengths are so many per metre within 4 %.
-[[nodiscard]] std::optional<const char*> unit_of(double per_metre);
-
 }  // namespace waymark

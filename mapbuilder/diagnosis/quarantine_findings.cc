@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
+#include "core/geometry/degrees.h"
+
 namespace waymark {
 namespace {
-
-constexpr double kDegreesPerRadian = 57.29577951308232;
 
 const MovedMarker* find(const std::vector<MovedMarker>& markers, const MarkerId& id) {
   const auto found = std::find_if(markers.begin(), markers.end(),

@@ -2,22 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 
 #include "mapbuilder/diagnosis/baseline_scale.h"
 #include "mapbuilder/diagnosis/least_cost.h"
+#include "mapbuilder/diagnosis/length_unit.h"
 
 namespace waymark {
 namespace {
-
-/// A unit that may have been written for metres.
-struct Unit {
-  double per_metre;
-  const char* name;
-};
-constexpr std::array<Unit, 4> kUnits{
-    {{1000, "mm"}, {100, "cm"}, {39.3701, "inches"}, {3.28084, "feet"}}};
 
 /// The rig with baselines so many times as long.
 Extrinsics scaled(const Extrinsics& rig, double factor) {
@@ -48,7 +40,7 @@ LeastCost fitted_factor(const RigCase& rig) {
   return least_cost(-kMost, kMost, kStep, coarse, cost);
 }
 
-RigHypothesis unit_hypothesis(const RigCase& rig, const Unit& unit, double factor,
+RigHypothesis unit_hypothesis(const RigCase& rig, const LengthUnit& unit, double factor,
                               double relative_sigma) {
   RigHypothesis h = rig.hypothesis();
   h.listed = true;
@@ -85,10 +77,8 @@ RigHypothesis size_hypothesis(const RigCase& rig, double factor, double relative
 RigHypothesis rig_scale_hypothesis(const RigCase& rig) {
   const LeastCost fitted = fitted_factor(rig);
   const double factor = std::exp(fitted.at);
-  constexpr double kSameUnit = 0.04;  // sizes are right within some percent
-  for (const Unit& unit : kUnits) {
-    if (std::abs(factor * unit.per_metre - 1.0) > kSameUnit) continue;
-    return unit_hypothesis(rig, unit, factor, fitted.sigma);
+  if (const auto unit = unit_of(1.0 / factor)) {
+    return unit_hypothesis(rig, *unit, factor, fitted.sigma);
   }
   return size_hypothesis(rig, factor, fitted.sigma);
 }

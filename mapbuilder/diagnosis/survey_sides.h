@@ -2,22 +2,11 @@
 
 #include <functional>
 #include <optional>
-#include <vector>
 
 #include "mapbuilder/build/map_builder.h"
-#include "mapbuilder/diagnosis/finding.h"
+#include "mapbuilder/diagnosis/judged_survey.h"
 
 namespace waymark {
-
-/// A survey without what contradicts the rest.
-struct JudgedSurvey {
-  Survey survey;  ///< entries that stand alone are left_out: they bend nothing
-  std::vector<Finding> findings;
-  /// What all stated sizes must be multiplied by, where more sides speak against them than for
-  /// them; nullopt: they stand.
-  std::optional<double> sizes_times;
-  bool z_is_up = true;  ///< nothing says that the survey's third axis is another one
-};
 
 /// What the rig's baselines say to sizes that are so many times those stated: true: they agree with
 /// these, false: with the stated ones, nullopt: nothing. Asked only where sizes and survey differ.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
+#include "core/geometry/degrees.h"
 #include "mapbuilder/diagnosis/rig_path.h"
 
 namespace waymark {
@@ -23,12 +25,6 @@ constexpr double kMostNoise = 3.0;
 constexpr double kTogether_s = 0.0005;
 /// As sure as a place is to begin with.
 constexpr double kNoiseScale = 4.0;
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The moment, within a period either way, at which the others' path has the camera nearest.
 struct Moment {
@@ -75,7 +71,7 @@ class OneCamera {
  private:
   static constexpr double kStep_s = 0.01;
 
-  static double scatter_of(const std::vector<double>& offsets) {
+  static double scatter_of(std::vector<double> offsets) {
     const double middle = median(offsets);
     std::vector<double> off;
     for (const double offset : offsets) off.push_back(std::abs(offset - middle));
@@ -155,7 +151,6 @@ std::optional<Finding> leave_out_unsynchronized(const CameraTracks& tracks,
   const auto worst = std::max_element(found.begin(), found.end(), [](const auto& a, const auto& b) {
     return a.scatter_s < b.scatter_s;
   });
-  constexpr double kDegreesPerRadian = 57.29577951308232;
   Finding finding;
   finding.severity = Severity::error;
   finding.cause = Cause::clock;

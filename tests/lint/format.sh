@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$2"
 folders=()
-for folder in bench core drivers examples locd mapbuilder simulator tests; do
+for folder in bench cmake core drivers examples locd mapbuilder simulator tests; do
   [ -d "$folder" ] && folders+=("$folder")
 done
 find "${folders[@]}" \( -name '*.h' -o -name '*.cc' \) -print0 | xargs -0 "$1" --dry-run --Werror

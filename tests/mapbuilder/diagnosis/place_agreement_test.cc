@@ -55,12 +55,5 @@ TEST(PlaceAgreement, PlacesOnALineTellNothing) {
   EXPECT_FALSE(agreement_of(places, 0.01));
 }
 
-TEST(PlaceAgreement, UnitsAreKnownWithinFourPercent) {
-  EXPECT_STREQ(unit_of(1000 * 1.039).value_or(""), "mm");
-  EXPECT_FALSE(unit_of(1000 * 1.041));
-  EXPECT_STREQ(unit_of(39.0).value_or(""), "inches");
-  EXPECT_FALSE(unit_of(1.0));
-}
-
 }  // namespace
 }  // namespace waymark

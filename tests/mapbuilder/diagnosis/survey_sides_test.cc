@@ -239,6 +239,27 @@ TEST(SurveySides, OneDistanceOfThreeThatStandsAloneIsLeftOut) {
   tally.expect_right();
 }
 
+TEST(SurveySides, OnePartOfAMapLeavesTheOthersPointsInUse) {
+  MeasuredRoom room(3);
+  BuiltSubMap& first = room.result.submaps[0];
+  BuiltSubMap second = first;
+  first.map.markers.resize(15);
+  second.map.markers.erase(second.map.markers.begin(), second.map.markers.begin() + 15);
+  room.result.submaps.push_back(second);
+  Survey survey = points_of(room, 30);
+  std::size_t in_mm = 0;
+  for (SurveyedPoint& point : survey.points) {
+    if (point.place.marker.number >= 15) continue;
+    point.position_m *= 1000;
+    ++in_mm;
+  }
+  ASSERT_EQ(in_mm, 15U);
+  const JudgedSurvey result = judged(room, survey);
+  ASSERT_EQ(result.findings.size(), 1U);
+  EXPECT_EQ(result.findings[0].cause, Cause::survey_unit);
+  EXPECT_EQ(in_use(result.survey), 15U);
+}
+
 TEST(SurveySides, AxesThatAreTurnedLeaveZUnknown) {
   MeasuredRoom room(3);
   Survey survey = points_of(room, 8);

@@ -32,14 +32,27 @@ class Hearing:
         """Forgets what was heard so far."""
         self.begin = self.file.stat().st_size if self.file.exists() else 0
 
-    def since_mark(self, kind=None):
-        """Messages of a kind (POSE, STATUS, ALERT), oldest first."""
+    def _whole_lines(self):
         if not self.file.exists():
-            return []
+            return b""
         with open(self.file, "rb") as file:
             file.seek(self.begin)
-            # A line under way has no end yet.
-            text = file.read().rpartition(b"\n")[0]
+            text = file.read()
+        # A line under way has no end yet.
+        return text[:text.rfind(b"\n") + 1]
+
+    def since_mark(self, kind=None):
+        """Messages of a kind (POSE, STATUS, ALERT), oldest first."""
+        return self._messages(self._whole_lines(), kind)
+
+    def take(self, kind=None):
+        """The same, each of them once: the mark moves behind what was read, and no further."""
+        text = self._whole_lines()
+        self.begin += len(text)
+        return self._messages(text, kind)
+
+    @staticmethod
+    def _messages(text, kind):
         messages = [json.loads(line) for line in text.splitlines()]
         return [m for m in messages if kind is None or m["channel"] == f"WAYMARK_{kind}"]
 

@@ -58,7 +58,8 @@ def remove(world):
     assert f"/var/lib/locd stays, for something is mounted in it: {MOUNT}" in purged, purged
     guest.check(f"test -s {MOUNT}/of-another-disk -a -s /etc/locd/room.map -a -s /etc/locd/rig.yaml")
     left = guest.run("find /etc /var /usr -xdev -name '*locd*' -not -path '/var/log/*' -not -path '/var/cache/*' "
-                     "-not -path '*/locd.service.d*' -not -path '/var/lib/locd/*'")[1].split()
-    assert sorted(left) == ["/etc/locd", "/var/lib/locd"], f"purge leaves {left}"
+                     "-not -path '*/locd.service.d*'")[1].split()
+    # The folder stays as it is, with the file by which one locd keeps others out.
+    assert sorted(left) == ["/etc/locd", "/var/lib/locd", "/var/lib/locd/locd.lock"], f"purge leaves {left}"
     guest.check(f"umount {MOUNT} && rm -r /etc/locd /var/lib/locd")
     assert guest.run("dpkg-query -W -f '${Status}' waymark-locd")[1].find("installed") < 0
