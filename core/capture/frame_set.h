@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/geometry/stamp.h"
 
 namespace waymark {
@@ -22,6 +23,7 @@ struct FrameSet {
 };
 
 /// Default sync tolerance: frames within 5 ms of the set's earliest belong together.
+inline constexpr Range kSyncTolerance_us{0, 1e6};
 inline constexpr Stamp kDefaultSyncTolerance = std::chrono::milliseconds(5);
 
 /// Groups images into frame sets, by rising stamp: a set starts with the earliest image left and

@@ -61,6 +61,7 @@ template <typename EngineOf>
 std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
                                               const DetectorOptions& options,
                                               const EngineOf& engine_of) {
+  WAYMARK_CHECK(!families.empty() && options.check().has_value());
   std::vector<std::unique_ptr<MarkerDetector>> parts;
   for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
     std::vector<Family> own;
@@ -73,6 +74,10 @@ std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
 }
 
 }  // namespace
+
+Status DetectorOptions::check() const {
+  return RangeCheck().field("min_side_px", min_side_px, {8, 1000}).status();
+}
 
 const std::vector<Detection>& MarkerDetector::detect(const GrayView& image) noexcept {
   static const std::vector<Detection> nothing;

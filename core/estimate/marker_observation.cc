@@ -9,6 +9,10 @@ constexpr double kUnprojectable = 1e4 * 1e4;  ///< sigmas²
 
 }  // namespace
 
+Status ObservationLoss::check() const {
+  return RangeCheck().field("scale_sigmas", scale_sigmas, kScaleSigmas).status();
+}
+
 double gross_residual_px(const CameraModel& camera) {
   return 0.5 * std::hypot(camera.parameters().width_px, camera.parameters().height_px);
 }

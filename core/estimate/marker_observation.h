@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/range.h"
 #include "core/camera/camera_model.h"
 #include "core/capture/detection.h"
 #include "core/estimate/ippe.h"
@@ -28,9 +29,13 @@ struct MarkerObservation {
 /// whole, because a wrong id, a moved or a half-covered marker is wrong in all its corners.
 struct ObservationLoss {
   Loss loss = Loss::huber;
-  /// (2–50 sigmas) 99.998 % of Gaussian observations stay below (χ² of 8 degrees of freedom at 36).
-  /// Real ones have wider tails, and keep their say.
+  /// Sigmas. 99.998 % of Gaussian observations stay below (χ² of 8 degrees of freedom at 36).
+  /// Real ones have wider tails, and keep their say. Of no meaning to Loss::squared.
   double scale_sigmas = 6.0;
+
+  static constexpr Range kScaleSigmas{2, 50};
+  /// usage, naming the field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// A corner predicted farther off than this (half the image's diagonal, px) does not tell which way

@@ -39,9 +39,12 @@ struct RigPoseOptions {
   /// The runner-up explains the data too when its score exceeds the best's by less (sigmas²): 20 is
   /// the 99.7 % quantile of χ² with 6 degrees of freedom. (0–1000)
   double ambiguity_gap = 20.0;
-  /// Two solutions are distinct when they differ by more than this. (0.1–30°, 1 mm–1 m)
+  /// Two solutions are distinct when they differ by more than this. (0.002–0.5 rad, 1 mm–1 m)
   double distinct_rad = 0.035;
   double distinct_m = 0.05;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// What Algorithm 1 found.
@@ -59,7 +62,8 @@ struct RigPoseEstimate {
 /// observations.
 class RigPoseSolver {
  public:
-  /// Keeps a reference to the rig's camera models; the rig must outlive the solver.
+  /// Keeps a reference to the rig's camera models; the rig must outlive the solver. The options are
+  /// valid (checked).
   RigPoseSolver(const Rig& rig, const RigPoseOptions& options);
 
   /// nullopt when no candidate exists (no observation has an IPPE solution and there is no prior)
@@ -73,7 +77,7 @@ class RigPoseSolver {
       std::span<const FixedMarkerObservation> observations, const Rigid3& start) const {
     return refine(observations, start, options_.loss);
   }
-  /// The same by another loss.
+  /// The same by another loss, which is valid (checked).
   [[nodiscard]] std::optional<PoseOptimum> refine(
       std::span<const FixedMarkerObservation> observations, const Rigid3& start,
       const ObservationLoss& loss) const;

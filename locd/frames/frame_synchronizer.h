@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/range.h"
+#include "core/capture/frame_set.h"
 #include "drivers/frame.h"
 #include "locd/camera_mask.h"
 
@@ -24,9 +25,12 @@ struct SyncOptions {
   /// always wait.
   int leave_after_sets = 3;
 
-  static constexpr Range kTolerance_us{0, 1e6};
+  static constexpr Range kTolerance_us = kSyncTolerance_us;
   static constexpr Range kDeadline_ms{1, 10'000};
   static constexpr Range kMinCameras{1, kMaxCameras};
+  static constexpr Range kLeaveAfterSets{0, 1000};
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Why a frame came into no set, or its set to no pose.
@@ -68,6 +72,7 @@ struct FrameSetLease {
 /// No allocation. Not for several threads.
 class FrameSynchronizer {
  public:
+  /// At most kMaxCameras; the options are valid (checked).
   FrameSynchronizer(std::size_t cameras, const SyncOptions& options);
 
   /// Takes a camera's next frame at `now`.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/check.h"
 #include "core/estimate/robust_loss.h"
 #include "core/geometry/symmetric_factor.h"
 
@@ -43,8 +44,25 @@ double squared_sigmas(const Eigen::Vector3d& offset, const Eigen::Matrix3d& cova
 
 }  // namespace
 
+Status CameraWatchOptions::check() const {
+  return RangeCheck()
+      .field("min_turn_rad", min_turn_rad, {0.001, 0.2})
+      .field("min_offset_m", min_offset_m, {0.001, 1})
+      .field("chi2", chi2, {20, 1000})
+      .field("memory_sets", memory_sets, {10, 1000})
+      .field("min_sets", min_sets, {3, 1000})
+      .field("clear_margin", clear_margin, {1, 10})
+      .field("sets_to_decide", sets_to_decide, {static_cast<double>(min_sets), 10'000})
+      .field("trusted_share", trusted_share, {0.5, 1})
+      .field("swap_sets", swap_sets, {2, 1000})
+      .field("right_sets", right_sets, {2, 1000})
+      .field("coherent_share", coherent_share, {0.5, 1})
+      .status();
+}
+
 CameraWatch::CameraWatch(const Rig& rig, const MapIndex& map, const CameraWatchOptions& options)
     : map_(map), options_(options), cameras_(rig.cameras.size()), solver_(rig, solver_options()) {
+  WAYMARK_CHECK(options.check().has_value());
   for (std::size_t a = 0; a < cameras_; ++a) {
     for (std::size_t b = a + 1; b < cameras_; ++b) pairs_.push_back({a, b, 0});
   }

@@ -9,13 +9,11 @@
 #include "core/base/check.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/image_health.h"
-#include "locd/frames/skew_watch.h"
 #include "locd/pose/camera_watch.h"
 #include "locd/pose/corner_noise.h"
 #include "locd/pose/frame_detector.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
-#include "locd/pose/motion_filter.h"
 #include "locd/pose/robust_pose.h"
 
 namespace waymark {
@@ -32,10 +30,10 @@ MotionOptions motion_options(const LocalizerOptions& options) {
 }  // namespace
 
 Status LocalizerOptions::check() const {
-  if (auto checked = gate.check(); !checked) return checked;
   return RangeCheck()
+      .part("gate", gate.check())
       .field("prior_max_age_s", prior_max_age_s, kPriorMaxAge_s)
-      .field("negligible_skew in ms", 1e3 * seconds(negligible_skew), kNegligibleSkew_ms)
+      .field("negligible_skew in ms", in_us(negligible_skew) / 1e3, kNegligibleSkew_ms)
       .field("detection_threads", detection_threads, kDetectionThreads)
       .status();
 }

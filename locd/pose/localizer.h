@@ -11,6 +11,8 @@
 #include "core/map/quarantine.h"
 #include "locd/alert.h"
 #include "locd/frames/frame_synchronizer.h"
+#include "locd/frames/skew_watch.h"
+#include "locd/pose/motion_filter.h"
 #include "locd/pose/pose_estimate.h"
 #include "locd/pose/pose_gate.h"
 
@@ -28,8 +30,8 @@ struct LocalizerOptions {
   /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
   std::function<void()> begin_worker;
 
-  static constexpr Range kPriorMaxAge_s{0.05, 10};
-  static constexpr Range kNegligibleSkew_ms{0, 100};
+  static constexpr Range kPriorMaxAge_s = MotionOptions::kMaxAge_s;
+  static constexpr Range kNegligibleSkew_ms = SkewWatchOptions::kMost_ms;
   static constexpr Range kDetectionThreads{0, kMaxCameras};
   /// usage, naming the first field that lies outside its range.
   [[nodiscard]] Status check() const;

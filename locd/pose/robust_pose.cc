@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/check.h"
 #include "core/estimate/corner_residual.h"
 #include "core/geometry/symmetric_factor.h"
 
@@ -24,12 +25,22 @@ bool timed(const SetObservation& o) {
 
 }  // namespace
 
+Status RobustPoseOptions::check() const {
+  return RangeCheck()
+      .field("inlier_sigmas", inlier_sigmas, {4, 20})
+      .field("tukey_sigmas", tukey_sigmas, {6, 40})
+      .field("seed_observations", seed_observations, {1, 64})
+      .field("all_seed_observations", all_seed_observations, {1, 512})
+      .status();
+}
+
 RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options)
     : map_(map),
       cameras_(static_cast<int>(rig.cameras.size())),
       options_(options),
       solver_(rig, solver_options()),
       covariance_(map_, solver_) {
+  WAYMARK_CHECK(options.check().has_value());
   marker_verdicts_.reserve(map.size());
 }
 
@@ -118,7 +129,7 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
     if (inliers == before) return true;
     before = inliers;
     collect(observations, Which::inliers);
-    const auto least_squares = solver_.refine(fixed_, pose, {Loss::squared, 1.0});
+    const auto least_squares = solver_.refine(fixed_, pose, {.loss = Loss::squared});
     if (!least_squares) return false;
     pose = least_squares->pose;
   }

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/camera/rig.h"
 #include "core/estimate/rig_pose_solver.h"
 #include "locd/pose/map_index.h"
@@ -35,6 +36,9 @@ struct RobustPoseOptions {
   double tukey_sigmas = 12.0;
   int seed_observations = 8;       ///< largest ones that seed, where they explain the set (1–64)
   int all_seed_observations = 32;  ///< the same where they do not (1–512)
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// One robust optimization over all corners of all cameras with the map's markers fixed (core's
@@ -48,7 +52,7 @@ struct RobustPoseOptions {
 /// by the set itself, for cameras that don't agree about a moving rig are no outliers.
 class RobustPose {
  public:
-  /// Map and rig must outlive it.
+  /// Map and rig must outlive it. The options are valid (checked).
   RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options);
 
   /// nullopt when nothing explains what was seen. Marks inliers and writes residuals into

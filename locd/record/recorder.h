@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/priority_mutex.h"
+#include "core/base/range.h"
 #include "locd/frames/frame_synchronizer.h"
 #include "locd/record/recording_folder.h"
 
@@ -15,11 +16,16 @@ namespace waymark {
 /// How frame sets are recorded.
 struct RecorderOptions {
   bool jpeg = false;
-  int jpeg_quality = 95;  ///< 1…100
-  int every_nth = 1;
+  int jpeg_quality = 95;
+  int every_nth = 1;  ///< one of so many frame sets
   RecordingBudget budget;
   /// Pixels of each camera's image, so that memory is there before the first set comes.
   std::vector<std::size_t> pixels;
+
+  static constexpr Range kJpegQuality{1, 100};
+  static constexpr Range kEveryNth{1, 1'000'000};
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Turns frame sets back into captures, in a thread and with memory of its own: whatever touches
@@ -41,7 +47,7 @@ class Recorder {
   enum class Phase { idle, starting, recording, stopping };
 
   /// Has a recording begin in `folder`, or, where that is empty, in a new one of the facts'
-  /// archive; state() tells when it did, or why not. Only when idle.
+  /// archive; state() tells when it did, or why not. Only when idle, with valid options (checked).
   void start(const std::filesystem::path& folder, const RecordingFacts& facts,
              const RecorderOptions& options);
   /// Has it end, with all that was taken on the disk; state() tells when.

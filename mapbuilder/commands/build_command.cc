@@ -335,7 +335,7 @@ fs::path rejected_path(const fs::path& map) {
 Status run_build(const BuildCommandOptions& options, Progress& progress, std::ostream& out,
                  std::ostream& notes) {
   if (auto allowed = check_outputs(options); !allowed) return allowed;
-  if (auto fine = check(options.build); !fine) return fine;
+  if (auto fine = options.build.check(); !fine) return fine;
   auto taken = take_captures_in(options.input, progress, notes);
   if (!taken) return tl::make_unexpected(taken.error());
   const auto references = read_references(options, only_stated_family(taken->captures));

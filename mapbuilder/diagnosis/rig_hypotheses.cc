@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "core/base/check.h"
+#include "core/base/range.h"
 #include "mapbuilder/diagnosis/rig_agreement.h"
 #include "mapbuilder/diagnosis/rig_path.h"
 
@@ -793,6 +795,13 @@ class RigJudge {
 
 }  // namespace
 
+Status ExtrinsicSigmas::check() const {
+  return RangeCheck()
+      .field("position_m", position_m, {1e-5, 0.1})
+      .field("rotation_rad", rotation_rad, {1e-5, 0.1})
+      .status();
+}
+
 RigExplanation RigExplanation::or_else() const {
   RigExplanation other;
   other.cause = alternative.cause;
@@ -804,6 +813,7 @@ RigExplanation RigExplanation::or_else() const {
 
 std::optional<RigExplanation> explain_rig(const CameraTracks& tracks, const Rig& stated,
                                           const ExtrinsicSigmas& sigmas) {
+  WAYMARK_CHECK(sigmas.check().has_value());
   return RigJudge(tracks, stated, sigmas).explain();
 }
 

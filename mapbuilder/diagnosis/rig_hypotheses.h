@@ -15,6 +15,9 @@ namespace waymark {
 struct ExtrinsicSigmas {
   double position_m = 0.002;       ///< (1e-5–0.1)
   double rotation_rad = 0.001745;  ///< (1e-5–0.1) 0.1°
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Why cameras that fit alone do not fit together.

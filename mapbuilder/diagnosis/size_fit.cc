@@ -6,6 +6,7 @@
 
 #include "core/base/median.h"
 #include "core/base/parallel.h"
+#include "core/base/range.h"
 #include "core/estimate/corner_residual.h"
 #include "core/geometry/symmetric_factor.h"
 #include "core/marker/marker_geometry.h"
@@ -117,6 +118,15 @@ std::optional<SizeFit> fit_from_afar(std::span<const MarkerView> views,
 }
 
 }  // namespace
+
+Status SizeOptions::check() const {
+  return RangeCheck()
+      .field("least_sigmas", least_sigmas, {3, 20})
+      .field("least_deviation", least_deviation, {0.005, 0.2})
+      .field("least_views", least_views, {3, 50})
+      .field("least_markers", least_markers, {3, 50})
+      .status();
+}
 
 std::optional<SizeFit> fit_size(std::span<const MarkerView> views, const Rigid3& world_from_marker,
                                 double factor, const ObservationLoss& loss) {

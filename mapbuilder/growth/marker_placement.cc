@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/median.h"
+#include "core/base/range.h"
 
 namespace waymark {
 namespace {
@@ -77,6 +78,17 @@ std::vector<Hypothesis> scored_hypotheses(std::span<const PlacementView> views,
 }
 
 }  // namespace
+
+Status PlacementOptions::check() const {
+  return RangeCheck()
+      .part("loss", loss.check())
+      .field("score_scale_sigmas", score_scale_sigmas, {5.0, 100.0})
+      .field("max_refined", max_refined, {2, 50})
+      .field("max_iterations", max_iterations, {1, 200})
+      .field("distinct_rad", distinct_rad, {0.002, 0.5})
+      .field("distinct_m", distinct_m, {0.001, 1.0})
+      .status();
+}
 
 double placement_score(std::span<const PlacementView> views, const Rigid3& world_from_marker,
                        const PlacementOptions& options) {
