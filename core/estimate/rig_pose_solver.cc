@@ -127,11 +127,9 @@ std::optional<PoseOptimum> RigPoseSolver::refine(
   return minimize_pose(start, options_.max_iterations, [&](const Rigid3& world_from_rig) {
     PoseEquations equations;
     for (const FixedMarkerObservation& fixed : observations) {
-      const auto camera = static_cast<std::size_t>(fixed.observation->camera);
-      add_observation(
-          *fixed.observation,
-          {models_[camera], cam_from_rig_[camera], world_from_rig, fixed.world_from_marker}, loss,
-          FreePose::rig, equations);
+      add_observation(*fixed.observation,
+                      geometry(fixed.observation->camera, world_from_rig, fixed.world_from_marker),
+                      loss, FreePose::rig, equations);
     }
     return equations;
   });

@@ -91,6 +91,12 @@ class RigPoseSolver {
     return cam_from_rig_[camera];
   }
   [[nodiscard]] const CameraModel& model(std::size_t camera) const { return *models_[camera]; }
+  /// Where an observation of this camera stands.
+  [[nodiscard]] ObservationGeometry geometry(int camera, const Rigid3& world_from_rig,
+                                             const Rigid3& world_from_marker) const {
+    const auto index = static_cast<std::size_t>(camera);
+    return {models_[index], cam_from_rig_[index], world_from_rig, world_from_marker};
+  }
 
  private:
   struct Candidate {

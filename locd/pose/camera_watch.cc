@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/base/check.h"
+#include "core/base/median.h"
 #include "core/estimate/robust_loss.h"
 #include "core/geometry/symmetric_factor.h"
 
@@ -11,7 +12,6 @@ namespace waymark {
 namespace {
 
 constexpr double kMeanMemory = 0.95;
-constexpr double kFits = 36.0;
 /// Share of a marker's misfit that a displacement which explains it may leave: it is linear only.
 constexpr double kLeftOver = 0.02;
 /// χ² that one set may have against a camera: a third of what names it.
@@ -29,13 +29,6 @@ RigPoseOptions solver_options() {
   options.max_refined = 2;
   options.max_iterations = 15;
   return options;
-}
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
 }
 
 double squared_sigmas(const Eigen::Vector3d& offset, const Eigen::Matrix3d& covariance) {
@@ -146,7 +139,7 @@ void CameraWatch::fit_camera(std::size_t camera, std::span<const SetObservation>
   for (const WhitenedResidual& w : whitened_) {
     const double left = (w.residual + w.by_rig * step).squaredNorm();
     squared_.push_back(left);
-    explained += left <= std::max(kFits, kLeftOver * w.residual.squaredNorm()) ? 1 : 0;
+    explained += left <= std::max(kInlierSigmas2, kLeftOver * w.residual.squaredNorm()) ? 1 : 0;
   }
   // A camera that stands elsewhere has all its markers elsewhere; one that sees a moved marker has
   // not. Farther off nothing is linear; swapped cameras are looked for in another way.
@@ -320,7 +313,7 @@ bool CameraWatch::coherent_when_swapped(std::span<const SetObservation> observat
     const double s =
         squared_residual(*fixed.observation, solver_.model(camera),
                          solver_.cam_from_rig(camera) * (rig_from_world * fixed.world_from_marker));
-    inliers += s <= kFits ? 1 : 0;
+    inliers += s <= kInlierSigmas2 ? 1 : 0;
   }
   return inliers >= options_.coherent_share * static_cast<double>(fixed_.size());
 }

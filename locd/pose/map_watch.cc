@@ -13,8 +13,6 @@ namespace {
 
 /// Residuals this large (sigmas²) say where a marker is not, hardly where it is.
 constexpr double kLinear = 400.0;
-/// As RobustPose tells inliers.
-constexpr double kFits = 36.0;
 
 /// What of the residuals' unit covariance is left when the pose has (inlier) or has not (outlier)
 /// been fitted to them: 1 − J P Jᵀ, (1 + J P Jᵀ)⁻¹. As information on r it is cov⁻¹ after
@@ -95,7 +93,7 @@ void MapWatch::find_seen(std::span<const SetObservation> observations, CameraMas
     const auto camera = static_cast<std::size_t>(o.observation.camera);
     if ((trusted_cameras & camera_bit(camera)) == 0) continue;
     ++seen.observations;
-    seen.fitting += o.sigmas_squared <= kFits ? 1 : 0;
+    seen.fitting += o.sigmas_squared <= kInlierSigmas2 ? 1 : 0;
     if (seen.largest == nullptr || area_px2(o.detected_px) > area_px2(seen.largest->detected_px)) {
       seen.largest = &o;
     }

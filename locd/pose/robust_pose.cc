@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "core/base/check.h"
-#include "core/estimate/corner_residual.h"
 #include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
@@ -223,13 +222,11 @@ void RobustPose::whiten(std::span<SetObservation> observations, const Rigid3& po
   const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
   for (SetObservation& o : observations) {
     const MapMarker& marker = map_.marker(o.map_index);
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    const CornerChain chain(solver_.model(camera), solver_.cam_from_rig(camera), pose,
-                            marker.world_from_marker);
-    const auto corners = marker_corners(marker.size_m);
+    const auto corners = linearize_corners(
+        o.observation, solver_.geometry(o.observation.camera, pose, marker.world_from_marker));
+    if (!corners) continue;
     for (std::size_t i = 0; i < 4; ++i) {
-      CornerJacobians jacobians;
-      if (!corner_residual(chain, corners[i], o.observation.corners_px[i], &jacobians)) continue;
+      const CornerJacobians& jacobians = (*corners)[i].jacobians;
       Eigen::Matrix2d covariance = o.stated[i] + model;
       covariance += jacobians.d_marker * marker.covariance * jacobians.d_marker.transpose();
       const double t = o.after_s[i];

@@ -30,8 +30,7 @@ struct PoseSolution {
 
 /// Options of RobustPose.
 struct RobustPoseOptions {
-  /// Markers beyond are outliers: 36 is exceeded by 1 of 56,000 of χ² with 8 degrees of freedom.
-  double inlier_sigmas = 6.0;  ///< (4–20)
+  double inlier_sigmas = kInlierSigmas;  ///< markers beyond are outliers (4–20)
   /// Where Tukey's loss, the last before inliers are told, is flat. (6–40 sigmas)
   double tukey_sigmas = 12.0;
   int seed_observations = 8;       ///< largest ones that seed, where they explain the set (1–64)

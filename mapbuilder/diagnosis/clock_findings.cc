@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/median.h"
+
 namespace waymark {
 namespace {
 
@@ -18,12 +20,6 @@ constexpr double kKeepsTime = 0.9;
 constexpr double kFollows = 0.8;
 
 double seconds(Stamp stamp) { return std::chrono::duration<double>(stamp).count(); }
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Stamps per camera, rising, and how many of them are in a frame set with another camera.
 struct CameraStamps {
@@ -79,7 +75,7 @@ double period_of(const std::vector<Stamp>& stamps) {
   for (std::size_t i = 1; i < stamps.size(); ++i) {
     steps.push_back(seconds(stamps[i] - stamps[i - 1]));
   }
-  return median(std::move(steps));
+  return upper_median(steps);
 }
 
 /// The line that the offsets follow (Theil and Sen's, over pairs half the series apart); nullopt:
@@ -93,12 +89,12 @@ std::optional<OffsetLine> line_of(const std::vector<Stamp>& stamps,
     if (step > 0) slopes.push_back((offsets[i + half] - offsets[i]) / step);
   }
   if (slopes.empty()) return std::nullopt;
-  OffsetLine line{0, median(slopes)};
+  OffsetLine line{0, upper_median(slopes)};
   std::vector<double> firsts;
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     firsts.push_back(offsets[i] - line.drift * seconds(stamps[i] - stamps.front()));
   }
-  line.first_s = median(firsts);
+  line.first_s = upper_median(firsts);
   const auto follow = std::count_if(firsts.begin(), firsts.end(), [&](double first) {
     return std::abs(first - line.first_s) <= tolerance_s;
   });

@@ -10,6 +10,7 @@
 #include <numeric>
 
 #include "core/base/check.h"
+#include "core/base/median.h"
 #include "core/base/range.h"
 #include "mapbuilder/diagnosis/rig_agreement.h"
 #include "mapbuilder/diagnosis/rig_path.h"
@@ -26,8 +27,6 @@ constexpr double kMinGain = 20.0;
 constexpr double kMinLead = 10.0;
 /// A cause explains at least a third of the misfit; less is a calibration that could be better.
 constexpr double kMinCostRatio = 1.5;
-/// Median of χ² with six freedoms.
-constexpr double kMedianChi2 = 5.348;
 /// As a camera's number: every one.
 constexpr int kAllCameras = -2;
 
@@ -231,9 +230,7 @@ class RigJudge {
       }
     }
     if (squared.empty()) return std::numeric_limits<double>::infinity();
-    const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
-    std::nth_element(squared.begin(), middle, squared.end());
-    return std::sqrt(*middle / kMedianChi2);
+    return std::sqrt(upper_median(squared) / kMedianOfChi2_6);
   }
 
   // ---- hypotheses ------------------------------------------------------------------------------

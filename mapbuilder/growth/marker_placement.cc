@@ -42,13 +42,12 @@ std::optional<PoseOptimum> refine(std::span<const PlacementView> views, const Ri
 /// its expectation, at least 1. Rigs that stand a little wrong make every view misfit, and a gap
 /// between hypotheses says as much less.
 double misfit(std::span<const PlacementView> views, const Rigid3& world_from_marker) {
-  constexpr double kMedianOfChiSquare8 = 7.344;
   std::vector<double> squared;
   squared.reserve(views.size());
   for (const PlacementView& view : views) {
     squared.push_back(better_rig_pose(view, world_from_marker).second);
   }
-  return std::max(1.0, median(squared) / kMedianOfChiSquare8);
+  return std::max(1.0, upper_median(squared) / kMedianOfChi2_8);
 }
 
 struct Hypothesis {
