@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <mutex>
+#include <opencv2/core/utility.hpp>
 #include <tuple>
 #include <utility>
 
@@ -90,6 +92,12 @@ const std::vector<Detection>& MarkerDetector::detect(const GrayView& image) noex
     failure_ = "the detector's library failed";
   }
   return nothing;
+}
+
+void detect_in_calling_threads() {
+  // OpenCV's setting is no atomic: it is made once, not again while detectors work.
+  static std::once_flag once;
+  std::call_once(once, [] { cv::setNumThreads(1); });
 }
 
 bool engine_knows(DetectorEngine engine, Family family) {

@@ -51,6 +51,10 @@ struct DetectorOptions {
   [[nodiscard]] Status check() const;
 };
 
+/// Has detectors do all of their work in the threads that call them, from now on and in the whole
+/// process: OpenCV else spreads it over threads of its own, which have no real-time priority.
+void detect_in_calling_threads();
+
 /// Which library finds and decodes.
 enum class DetectorEngine {
   opencv,    ///< every family

@@ -59,7 +59,9 @@ struct MarkerMap {
   std::vector<SubMap> submaps;                    ///< by falling marker count, then first id
 
   /// Whether ids must be written with their family.
-  [[nodiscard]] bool several_families() const;
+  [[nodiscard]] bool several_families() const { return families().several(); }
+  /// Those of its markers.
+  [[nodiscard]] MeetingFamilies families() const;
 };
 
 }  // namespace waymark

@@ -7,8 +7,9 @@
 namespace waymark {
 
 const char* name_of(DropReason reason) {
-  constexpr std::array<const char*, kDropReasons> kNames = {
-      "mismatched", "overtaken", "late", "too_few", "bad_stamp", "unhealthy", "solver_busy"};
+  constexpr std::array<const char*, kDropReasons> kNames = {"mismatched",  "overtaken", "late",
+                                                            "too_few",     "bad_stamp", "unhealthy",
+                                                            "solver_busy", "unsearched"};
   return kNames.at(static_cast<std::size_t>(reason));
 }
 

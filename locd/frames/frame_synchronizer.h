@@ -40,10 +40,11 @@ enum class DropReason : std::uint8_t {
   late = 2,         ///< its set had gone already
   too_few = 3,      ///< its set has fewer than min_cameras
   bad_stamp = 4,    ///< its stamp lies in the future, too far back, or does not rise
-  unhealthy = 5,    ///< frozen, dark, saturated, obscured
+  unhealthy = 5,    ///< frozen, stale, dark, saturated, obscured
   solver_busy = 6,  ///< a newer set came before the solver was free
+  unsearched = 7,   ///< the library that finds markers failed on it
 };
-inline constexpr std::size_t kDropReasons = 7;
+inline constexpr std::size_t kDropReasons = 8;
 [[nodiscard]] const char* name_of(DropReason reason);
 
 /// Counts per reason, one block per camera.

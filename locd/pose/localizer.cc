@@ -11,6 +11,7 @@
 #include "locd/frames/image_health.h"
 #include "locd/pose/camera_watch.h"
 #include "locd/pose/corner_noise.h"
+#include "locd/pose/detection_watch.h"
 #include "locd/pose/frame_detector.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
@@ -86,7 +87,9 @@ struct Localizer::Implementation {
   CameraWatch camera_watch;
   ImageHealth health;
   SkewWatch skew_watch;
-  CameraMask usable = 0;  ///< cameras of the set whose images are of use
+  DetectionWatch detection_watch;
+  CameraMask unhealthy_frames = 0;  ///< cameras of the set whose images are of no use
+  CameraMask usable = 0;            ///< those whose images are of use, and could be searched
   /// A detection of the set, before it is known how many there are.
   struct Candidate {
     std::size_t camera;
@@ -106,6 +109,9 @@ void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate&
   look_at_images(set);
   skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
   detector.detect(set, usable);
+  detection_watch.look(detector.searched(), detector.failed(), estimate.stamp, alerts);
+  unhealthy_frames = set.cameras & ~usable;
+  usable &= ~detector.failed();
   const Stamp detected = monotonic_now();
   find_candidates(set);
   observe(estimate);
@@ -383,6 +389,17 @@ std::size_t Localizer::most_quarantined() const {
 
 void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {
   implementation_->map_watch.restore(markers);
+}
+
+CameraMask Localizer::left_out(DropReason why) const {
+  switch (why) {
+    case DropReason::unhealthy:
+      return implementation_->unhealthy_frames;
+    case DropReason::unsearched:
+      return implementation_->detector.failed();
+    default:
+      return 0;
+  }
 }
 
 CameraMask Localizer::unhealthy_cameras() const { return implementation_->health.unhealthy(); }

@@ -72,6 +72,9 @@ class Localizer {
 
   /// Cameras whose images can't be used now: frozen, stale, dark, saturated, obscured.
   [[nodiscard]] CameraMask unhealthy_cameras() const;
+  /// Cameras whose frame in the last set was left out, and why: unhealthy (or given before) or
+  /// unsearched; none for other reasons.
+  [[nodiscard]] CameraMask left_out(DropReason why) const;
 
  private:
   struct Implementation;

@@ -71,6 +71,7 @@ class LocalizationThread {
   void adopt_next_map();
   void begin_work();
   void finish_turn(bool took_set, bool localized);
+  void count_left_out(const Localizer& localizer);
 
   /// The map in use, its news, and the memory that a quarantine is listed in, all that it takes.
   struct InUse {
