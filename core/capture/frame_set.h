@@ -22,8 +22,9 @@ struct FrameSet {
   std::vector<std::size_t> images;  ///< indices into the input, by rising camera
 };
 
-/// Default sync tolerance: frames within 5 ms of the set's earliest belong together.
+/// What a sync tolerance may be.
 inline constexpr Range kSyncTolerance_us{0, 1e6};
+/// Default sync tolerance: frames within 5 ms of the set's earliest belong together.
 inline constexpr Stamp kDefaultSyncTolerance = std::chrono::milliseconds(5);
 
 /// Groups images into frame sets, by rising stamp: a set starts with the earliest image left and
