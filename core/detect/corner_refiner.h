@@ -19,7 +19,7 @@ struct BlurPrior {
   double log_sigma = 1;
 };
 
-/// What a side's pixels say of its blur.
+/// A side's blur as its own pixels determine it.
 struct SideBlur {
   double log_px = 0;
   double information = 0;  ///< of ln blur, from the pixels alone
@@ -37,7 +37,7 @@ struct RefineOptions {
   /// (0–1 px per axis) Error that the images' noise does not explain (paper, print, lens model),
   /// added to every corner's covariance.
   double model_sigma_px = 0.003;
-  /// What other markers of the image say of its blur: for saturated paper, which does not show it.
+  /// The image's blur as other markers show it: for saturated paper, which does not.
   std::optional<BlurPrior> blur = std::nullopt;
 
   /// usage, naming the first field that lies outside its range.

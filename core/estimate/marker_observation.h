@@ -35,8 +35,8 @@ inline constexpr double kInlierSigmas2 = kInlierSigmas * kInlierSigmas;
 /// whole, because a wrong id, a moved or a half-covered marker is wrong in all its corners.
 struct ObservationLoss {
   Loss loss = Loss::huber;
-  /// Sigmas. Real observations have wider tails than Gaussian ones, and keep their say. Of no
-  /// meaning to Loss::squared.
+  /// Sigmas. Real observations have wider tails than Gaussian ones; Huber's loss still counts
+  /// them. Of no meaning to Loss::squared.
   double scale_sigmas = kInlierSigmas;
 
   static constexpr Range kScaleSigmas{2, 50};
@@ -45,8 +45,8 @@ struct ObservationLoss {
 };
 
 /// A corner predicted farther off than this (half the image's diagonal, px) does not tell which way
-/// to go: near the camera plane its derivatives grow without bound, and one wrong id would outpull
-/// a whole frame set, Huber's loss or not. It still counts as a misfit.
+/// to go: near the camera plane its derivatives grow without bound, and one wrong id would outweigh
+/// a whole frame set even under Huber's loss. It still counts as a misfit.
 [[nodiscard]] double gross_residual_px(const CameraModel& camera);
 
 /// W = L⁻¹ with L Lᵀ = Σ, for a positive definite Σ (px²).

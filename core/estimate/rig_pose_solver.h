@@ -57,7 +57,7 @@ struct RigPoseEstimate {
 /// Algorithm 1: the pose of a rig from the observations of one frame set against fixed markers
 /// (eq. 9). Seeded by both IPPE solutions of all observations of all cameras, each scored
 /// on all observations, so that a flipped marker can't win (the paper's eq. 10, an option for
-/// comparison, trusts the one marker that fits itself best and knows no runner-up). Holds its
+/// comparison, starts from the one marker that fits itself best and yields no runner-up). Holds its
 /// working memory: one solver per thread, reused, which allocates nothing once it has seen as many
 /// observations.
 class RigPoseSolver {

@@ -22,7 +22,8 @@ struct StampGuardOptions {
 
 /// Checks one camera's stamps: a stamp in the future, older than three periods, or that does not
 /// rise is refused; when that goes on, the frame's arrival takes its place, flagged as such. Frames
-/// that waited for us and come in a burst are as old as they say: they count for nothing. Pure.
+/// that come in a burst because locd was late to fetch them are old for a good reason: they count
+/// neither for nor against the stamps. Pure.
 class StampGuard {
  public:
   /// The options are valid (checked).

@@ -36,8 +36,8 @@ struct CameraWatchOptions {
 /// Watches whether the cameras stand to each other as the rig file says. In each set, each camera's
 /// markers are fitted by themselves; where the cameras' own poses differ from one another, always
 /// in the same way as seen from the rig, one of them does not stand where it should: the one whose
-/// displacement explains most. Where sets fall apart altogether it is asked whether two cameras in
-/// each other's place would explain them. Either is over when the cameras agree again.
+/// displacement explains most. Where most markers of a set are outliers, exchanging two cameras is
+/// tried as an explanation. Either alert ends when the cameras agree again.
 class CameraWatch {
  public:
   /// The options are valid (checked).
@@ -52,7 +52,7 @@ class CameraWatch {
     return {own_residuals_.data(), own_count_};
   }
 
-  /// Cameras whose outliers tell of markers, not of the camera.
+  /// Cameras whose outliers are due to their markers, not to the camera itself.
   [[nodiscard]] CameraMask trusted() const;
   /// Cameras that were named and have not been right since.
   [[nodiscard]] CameraMask suspects() const;

@@ -21,7 +21,7 @@ namespace waymark {
 /// How frame sets become poses.
 struct LocalizerOptions {
   GateOptions gate;
-  double prior_max_age_s = 0.5;  ///< older poses say nothing of the next
+  double prior_max_age_s = 0.5;  ///< older poses predict nothing
   /// Exposures farther apart need the rig's velocity to be put together; on a triggered rig they
   /// must not occur.
   Stamp negligible_skew = std::chrono::microseconds(1000);
@@ -61,8 +61,8 @@ class Localizer {
   /// statistics stay.
   void forget_motion();
 
-  /// Markers that the map watch distrusts, to be kept across restarts: whether they are others than
-  /// at the last call of list_quarantine().
+  /// Whether the quarantined markers, which are to be kept across restarts, are others than at the
+  /// last call of list_quarantine().
   [[nodiscard]] bool quarantine_changed() const;
   /// Puts them into `list`, by rising id; never more than most_quarantined().
   void list_quarantine(std::vector<QuarantinedMarker>& list);

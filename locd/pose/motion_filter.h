@@ -11,7 +11,7 @@ namespace waymark {
 
 /// How the vehicle is taken to move.
 struct MotionOptions {
-  double max_age_s = 0.5;         ///< older poses say nothing
+  double max_age_s = 0.5;         ///< older poses predict nothing
   double speed_sigma_mps = 1.0;   ///< before anything is known, standing ± this (0.05–20)
   double turn_sigma_radps = 0.7;  ///< likewise (0.05–20)
   /// White acceleration, root of its spectral density: how far the velocity wanders in 1 s.

@@ -175,12 +175,12 @@ Status Recorder::record(RecordingFolder& folder) {
       good = folder.sync();
       sync_due = monotonic_now() + kSyncPeriod;
     }
-    leave_word(folder);
+    publish_state(folder);
   }
   return good;
 }
 
-void Recorder::leave_word(RecordingFolder& folder) {
+void Recorder::publish_state(RecordingFolder& folder) {
   const bool known = folder.knows_what_was_there();
   std::vector<std::string> notes = known ? folder.take_notes() : std::vector<std::string>{};
   const std::lock_guard lock(mutex_);

@@ -28,10 +28,9 @@ struct RecorderOptions {
   [[nodiscard]] Status check() const;
 };
 
-/// Turns frame sets back into captures, in a thread and with memory of its own: whatever touches
-/// the disk happens there, the folder's making and the last sync included. Whoever offers sets pays
-/// one copy of the pixels and never waits: when all memory is under way to the disk, the set is
-/// dropped and counted.
+/// Records frame sets as captures. All disk access is done in a thread of its own, from creating
+/// the folder to the last sync. offer() costs its caller one copy of the pixels and never waits:
+/// when no slot is free because all are still being written, the set is dropped and counted.
 class Recorder {
  public:
   /// Sets under way at most: what a disk that stalls for a tenth of a second holds up at 30 Hz.
@@ -101,7 +100,7 @@ class Recorder {
   /// False: there is no room for it yet.
   [[nodiscard]] Expected<bool> write(RecordingFolder& folder, const Slot& slot);
   void adopt_news(RecordingFolder& folder);
-  void leave_word(RecordingFolder& folder);
+  void publish_state(RecordingFolder& folder);
   [[nodiscard]] std::optional<std::size_t> take_free_slot();
   static void copy(const FrameSetLease& set, Slot& slot);
 

@@ -10,8 +10,7 @@ namespace {
 
 /// Distances of a point from four others, one of which is off; its cost has a curved valley.
 NormalEquations<3> distances(const Eigen::Vector3d& x) {
-  const std::array<Eigen::Vector3d, 4> anchors{
-      {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}, {1, 1, 5}}};
+  const std::array<Eigen::Vector3d, 4> anchors{{{0, 0, 0}, {4, 0, 0}, {0, 3, 0}, {1, 1, 5}}};
   const Eigen::Vector3d truth(1, 2, 0.5);
   NormalEquations<3> equations;
   for (const Eigen::Vector3d& anchor : anchors) {
