@@ -11,9 +11,9 @@
 
 namespace waymark {
 
-/// Which buffers of a camera's stream are lent out as frames. What comes back is left for the
-/// camera's own thread to fetch, so that whoever is done with a frame never waits for a driver. A
-/// stream that ends while some are lent leaves its memory here until the last one is back.
+/// Keeps account of the buffers of a camera's stream that are lent out as frames. A buffer that
+/// comes back is queued for the camera's own thread, so that destroying a frame never waits for a
+/// driver. When a stream ends while some are lent, its memory stays here until the last is back.
 class BufferLender final : public FrameLender {
  public:
   /// `wake` is called, from any thread, when a frame ends whose buffer the driver waits for. It

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "core/base/range.h"
+#include "core/camera/rig.h"
 #include "core/geometry/stamp.h"
 #include "drivers/camera_controls.h"
 #include "drivers/pixel_format.h"
@@ -14,6 +16,8 @@ struct CaptureRequest {
   int height_px = 0;
   const PixelFormat* pixels = nullptr;  ///< null: the best that the device offers
   double fps = 0;                       ///< 1/s; 0: what the device does
+
+  static constexpr Range kFps{0, 1000};
 };
 
 /// Two frame rates that differ by less are the same, for devices round periods (0.01–2 %).
@@ -36,7 +40,10 @@ struct CameraOptions {
   std::string serial;  ///< that rig.yaml states; empty: any
   CaptureRequest request;
   CameraControls controls;
-  Stamp readout{0};  ///< rolling shutter, first to last row
+  Stamp readout{0};  ///< rolling shutter, first to last row; in RigCamera::kReadout_us
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 }  // namespace waymark

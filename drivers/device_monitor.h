@@ -6,13 +6,14 @@
 
 namespace waymark {
 
-/// Hears of video devices that come: what udev announces once their links and permissions stand.
+/// Listens for video devices that are plugged in: udev announces them once their links and
+/// permissions are set.
 class DeviceMonitor {
  public:
   /// unavailable where the system gives no such announcements.
   [[nodiscard]] static Expected<DeviceMonitor> open();
 
-  /// Readable when there may be something to hear.
+  /// Readable when there may be an announcement.
   [[nodiscard]] int descriptor() const;
 
   /// Whether a video device has come since the last call. Never waits. unavailable when the system

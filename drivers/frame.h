@@ -19,18 +19,18 @@ enum class StampQuality : std::uint8_t {
   replayed,     ///< as written in a capture
 };
 
-/// Who lends its buffers out as frames.
+/// Lends its buffers out as frames.
 class FrameLender {
  public:
-  /// The frame that holds buffer `slot` is done with it. Called from any thread, once per frame;
-  /// must not block for long.
+  /// The frame that holds buffer `slot` is destroyed or released. Called from any thread, once per
+  /// frame; must not block for long.
   virtual void take_back(std::uint32_t slot) noexcept = 0;
 
  protected:
   ~FrameLender() = default;
 };
 
-/// What a frame says of itself.
+/// When and how a frame was taken.
 struct FrameInfo {
   Stamp stamp{0};              ///< mid-exposure of the middle row, CLOCK_MONOTONIC
   Stamp arrival{0};            ///< when it was taken from the driver, CLOCK_MONOTONIC
@@ -70,7 +70,7 @@ class Frame {
 
   [[nodiscard]] const FrameInfo& info() const { return info_; }
   [[nodiscard]] Stamp stamp() const { return info_.stamp; }
-  /// Whoever corrects stamps (delay, distrust) writes them here.
+  /// Sets a corrected stamp (StampGuard).
   void set_stamp(Stamp stamp, StampQuality quality) {
     info_.stamp = stamp;
     info_.quality = quality;
@@ -78,7 +78,7 @@ class Frame {
 
   [[nodiscard]] bool has_image() const { return image_.data != nullptr; }
   [[nodiscard]] const GrayView& image() const { return image_; }
-  /// What a capture says was found in the image; null: nobody looked yet.
+  /// The markers of the image as a capture has them; null: it was not searched yet.
   [[nodiscard]] const ImageDetections* detections() const { return detections_; }
 
  private:

@@ -54,8 +54,8 @@ class FrameSource {
   /// Frames that the driver dropped, ever: short, flagged as damaged, undecodable.
   [[nodiscard]] virtual std::uint64_t damaged() const { return 0; }
 
-  /// Frames that nobody got, ever: gaps in the device's count, and those for which every buffer
-  /// that may be lent was.
+  /// Frames taken by the device but never given out, ever: gaps in its count, and those that came
+  /// while as many buffers were lent as may be.
   [[nodiscard]] virtual std::uint64_t lost() const { return 0; }
 
   /// What another program has changed of how the device takes its images, until that is found to be

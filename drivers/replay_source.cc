@@ -5,6 +5,7 @@
 #include <map>
 
 #include "core/base/check.h"
+#include "core/base/median.h"
 #include "core/capture/detections_csv.h"
 #include "core/capture/image_file.h"
 #include "drivers/monotonic_clock.h"
@@ -234,12 +235,7 @@ Status ReplayCapture::fill_time_line() {
       periods.push_back(entries[i].stamp - entries[i - 1].stamp);
     }
   }
-  Stamp period = std::chrono::milliseconds(100);
-  if (!periods.empty()) {
-    const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
-    std::nth_element(periods.begin(), middle, periods.end());
-    period = *middle;
-  }
+  const Stamp period = periods.empty() ? std::chrono::milliseconds(100) : upper_median(periods);
   round_ = all.back() - first_ + period;
   return {};
 }

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::array<std::string_view, kAlertKinds> kNames = {
     "MOVED", "UNKNOWN", "FROZEN",   "DARK", "SATURATED", "OBSCURED", "EXTRINSICS",
-    "SWAP",  "MISSING", "UNSYNCED", "SKEW", "SETTINGS",  "STALE"};
+    "SWAP",  "MISSING", "UNSYNCED", "SKEW", "SETTINGS",  "STALE",    "UNSEARCHED"};
 
 std::string camera_name(const Rig& rig, int camera) {
   if (camera < 0 || static_cast<std::size_t>(camera) >= rig.cameras.size()) return "the rig";
@@ -42,6 +42,11 @@ std::string raised_text(const Alert& alert, const std::string& marker, const std
     case AlertKind::image_stale:
       return fmt::format(
           "{} gives images that it gave before; they are not used; restart the camera", camera);
+    case AlertKind::image_unsearched:
+      return fmt::format(
+          "{}'s images can't be searched for markers: OpenCV fails on each; they are not used; "
+          "please report it, with a recording",
+          camera);
     case AlertKind::image_dark:
       return fmt::format("{} sees nothing but black; is its lens covered, the light off?", camera);
     case AlertKind::image_saturated:
@@ -85,6 +90,8 @@ std::string over_text(const Alert& alert, const std::string& marker, const std::
     case AlertKind::image_frozen:
     case AlertKind::image_stale:
       return fmt::format("{} gives new images; it is used again", camera);
+    case AlertKind::image_unsearched:
+      return fmt::format("{}'s images are searched for markers again", camera);
     case AlertKind::image_dark:
     case AlertKind::image_saturated:
     case AlertKind::image_obscured:

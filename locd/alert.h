@@ -27,8 +27,9 @@ enum class AlertKind : std::int8_t {
   stamps_skewed = 10,     ///< SKEW: a triggered rig's cameras do not expose together
   settings_changed = 11,  ///< SETTINGS: another program sets exposure, gain or focus of a camera
   image_stale = 12,       ///< STALE: the camera gives images that it gave before
+  image_unsearched = 13,  ///< UNSEARCHED: the library that finds markers fails on its images
 };
-inline constexpr std::size_t kAlertKinds = 13;
+inline constexpr std::size_t kAlertKinds = 14;
 
 /// "MOVED", "FROZEN", …
 [[nodiscard]] std::string_view name_of(AlertKind kind);

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "core/base/one_line.h"
+#include "core/base/parallel.h"
 #include "core/base/range.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"
@@ -33,42 +34,40 @@ void add_estimation_options(CLI::App& app, BuildOptions& options) {
   app.add_option("--loss", options.loss.loss, "robust loss: huber (default) or none")
       ->transform(CLI::CheckedTransformer(losses));
   app.add_option("--loss-sigmas", options.loss.scale_sigmas, "where Huber turns linear, in sigmas")
-      ->check(number_in({2.0, 50.0}))
+      ->check(number_in(ObservationLoss::kScaleSigmas))
       ->capture_default_str();
   app.add_option("--gate", options.gate.enabled, "outlier gate: on (default) or off")
       ->transform(CLI::CheckedTransformer(switches));
   app.add_option("--gate-sigmas", options.gate.reject_sigmas, "the gate's threshold, in sigmas")
-      ->check(number_in({3.0, 100.0}))
+      ->check(number_in(OutlierGateOptions::kRejectSigmas))
       ->capture_default_str();
   app.add_option("--weight", options.noise.weighting,
                  "what weighs observations: covariance (default), paper (eq. 7) or none")
       ->transform(CLI::CheckedTransformer(weightings));
   ObservationWeightOptions& paper = options.noise.paper;
-  constexpr Range kWeight{0, 1e6};
-  constexpr Range kAboveZero{1e-6, 1e6};
   app.add_option("--lambda-distance", paper.lambda_distance, "eq. 7's lambda 1")
-      ->check(number_in(kWeight))
+      ->check(number_in(ObservationWeightOptions::kLambda))
       ->capture_default_str();
   app.add_option("--lambda-angle", paper.lambda_angle, "eq. 7's lambda 2")
-      ->check(number_in(kWeight))
+      ->check(number_in(ObservationWeightOptions::kLambda))
       ->capture_default_str();
   app.add_option("--lambda-ambiguity", paper.lambda_ambiguity, "eq. 7's lambda 3")
-      ->check(number_in(kWeight))
+      ->check(number_in(ObservationWeightOptions::kLambda))
       ->capture_default_str();
   app.add_option("--epsilon-rad", paper.epsilon_rad, "eq. 7's epsilon, rad")
-      ->check(number_in(kAboveZero))
+      ->check(number_in(ObservationWeightOptions::kDivisor))
       ->capture_default_str();
   app.add_option("--max-distance-m", paper.max_distance_m, "eq. 7's d_max, m")
-      ->check(number_in(kAboveZero))
+      ->check(number_in(ObservationWeightOptions::kDivisor))
       ->capture_default_str();
   app.add_option("--max-angle-rad", paper.max_angle_rad, "eq. 7's theta_max, rad")
-      ->check(number_in(kAboveZero))
+      ->check(number_in(ObservationWeightOptions::kDivisor))
       ->capture_default_str();
 }
 
 void add_threads_option(CLI::App& app, int& threads) {
   app.add_option("--threads", threads, "threads; 0 = all processors; never changes the result")
-      ->check(CLI::Range(0, 1024));
+      ->check(number_in(kThreads));
 }
 
 void add_rules_options(CLI::App& app, FindingRules& rules) {
@@ -83,7 +82,7 @@ void add_input_options(CLI::App& app, CaptureInput& input) {
   app.add_option("--rig", input.rig_yaml, "for videos: Kalibr camchain");
   app.add_option("--markers", input.markers_toml, "for videos: families and sizes (markers.toml)");
   app.add_option("--every", input.video.every, "for videos: take one of so many frames")
-      ->check(CLI::Range(1, 1'000'000))
+      ->check(number_in(VideoOptions::kEvery))
       ->capture_default_str();
   app.add_flag("--sync", input.video.synchronized,
                "for several videos, one per camera: their stamps count from one instant");

@@ -18,8 +18,8 @@ inline constexpr std::size_t kJsonBytesForAny = std::size_t{40} << 20;
 
 /// Parses JSON from outside; the one place where any is. `name` stands for the path in messages.
 /// bad_data for what is larger than `max_bytes`, is no JSON (with line and column), nests too deep,
-/// names a member twice, or consists of more small values than a document of ours could. Whoever
-/// includes this links nlohmann_json.
+/// names a member twice, or consists of more small values than a document of ours could. A target
+/// that includes this header links nlohmann_json.
 [[nodiscard]] Expected<nlohmann::json> parse_json(std::string_view text, const std::string& name,
                                                   std::size_t max_bytes);
 

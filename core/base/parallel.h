@@ -8,7 +8,12 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/range.h"
+
 namespace waymark {
+
+/// How many threads may be asked for; 0: as many as there are processors.
+inline constexpr Range kThreads{0, 1024};
 
 /// Calls `body(state, i)` for every i in [0, count) on up to `threads` threads, each with a working
 /// state of its own from `make_state()`. Each i is called exactly once and must write only to its

@@ -12,6 +12,13 @@ RangeCheck& RangeCheck::field(std::string_view name, double value, const Range& 
   return *this;
 }
 
+RangeCheck& RangeCheck::part(std::string_view name, const Status& checked) {
+  if (!first_error_ && !checked) {
+    first_error_ = Error(checked.error().kind, fmt::format("{}.{}", name, checked.error().message));
+  }
+  return *this;
+}
+
 Status RangeCheck::status() const {
   return first_error_ ? tl::make_unexpected(*first_error_) : Status{};
 }

@@ -24,6 +24,8 @@ struct Range {
 class RangeCheck {
  public:
   RangeCheck& field(std::string_view name, double value, const Range& range);
+  /// The check of options within these: its error, with their name before the field's.
+  RangeCheck& part(std::string_view name, const Status& checked);
   /// usage, naming the first field that is outside.
   [[nodiscard]] Status status() const;
 

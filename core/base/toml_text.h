@@ -11,8 +11,8 @@
 
 namespace waymark {
 
-/// No file of ours is larger, or nests tables, arrays and the parts of a dotted key deeper. The
-/// parser and whoever destroys what it made recurse into depth, so it is bounded beforehand.
+/// No file of ours is larger, or nests tables, arrays and the parts of a dotted key deeper. Parser
+/// and destructors recurse once per level, so the depth is bounded before anything is parsed.
 inline constexpr std::size_t kMaxTomlBytes = std::size_t{1} << 20;
 inline constexpr int kMaxTomlDepth = 16;
 /// Each dot of a key may be a table of its own, a hundred times its size in memory. A survey of a

@@ -279,9 +279,11 @@ class CameraReader {
     if (const YAML::Node at = node_["readout_us"]; at.IsDefined()) {
       const auto value = read_number("readout_us", at);
       if (!value) return tl::make_unexpected(value.error());
-      constexpr double kMaxReadout_us = 1e6;
-      if (*value < 0 || *value > kMaxReadout_us) {
-        return wrong("readout_us", at, "is not within 0 and 1000000 µs");
+      constexpr Range kReadout_us = RigCamera::kReadout_us;
+      if (!kReadout_us.contains(*value)) {
+        return wrong(
+            "readout_us", at,
+            fmt::format("is not within {} and {:.0f} µs", kReadout_us.low, kReadout_us.high));
       }
       camera.readout_us = *value;
     }

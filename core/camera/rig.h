@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/camera/camera_model.h"
 #include "core/geometry/rigid3.h"
 
@@ -19,6 +20,8 @@ struct RigCamera {
   std::optional<double> readout_us;  ///< rolling-shutter read-out time of the whole image, µs
   std::optional<bool> global_shutter;
   std::optional<double> timeshift_cam_imu_s;  ///< printed, never used
+
+  static constexpr Range kReadout_us{0, 1e6};
 };
 
 /// Cameras with fixed, known places on one rigid body.

@@ -12,7 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A larger tolerance would join frames of different places: at 1 m/s, 1 s is 1 m.
-constexpr int kMaxSyncTolerance_us = 1'000'000;
 
 /// Reads one capture folder; each step fills a part of the result.
 class FolderReader {
@@ -57,7 +56,8 @@ class FolderReader {
     capture_.monotonic = fields.choice("clock", {"realtime", "monotonic"}, 0) == 1;
     capture_.session = fields.text("session", "");
     capture_.sync_tolerance = std::chrono::microseconds(
-        fields.integer("sync_tolerance_us", 0, kMaxSyncTolerance_us,
+        fields.integer("sync_tolerance_us", static_cast<int>(kSyncTolerance_us.low),
+                       static_cast<int>(kSyncTolerance_us.high),
                        static_cast<int>(kDefaultSyncTolerance / std::chrono::microseconds(1))));
     // Told to people only.
     (void)fields.text("codec", "");

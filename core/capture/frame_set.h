@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/geometry/stamp.h"
 
 namespace waymark {
@@ -21,6 +22,8 @@ struct FrameSet {
   std::vector<std::size_t> images;  ///< indices into the input, by rising camera
 };
 
+/// What a sync tolerance may be.
+inline constexpr Range kSyncTolerance_us{0, 1e6};
 /// Default sync tolerance: frames within 5 ms of the set's earliest belong together.
 inline constexpr Stamp kDefaultSyncTolerance = std::chrono::milliseconds(5);
 

@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/median.h"
+
 namespace waymark {
 namespace {
 
@@ -39,13 +41,6 @@ const Unit* unit_of(Stamp stamp) {
   return unit == std::end(kUnits) ? nullptr : unit;
 }
 
-template <typename Value>
-Value median_of(std::vector<Value> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// Between one camera's images that follow each other.
 std::vector<Stamp> spacings_of(std::span<const StampedImage> images) {
   std::map<int, std::vector<Stamp>> by_camera;
@@ -74,15 +69,15 @@ std::optional<std::string> doubt_of_stamps(std::span<const StampedImage> images,
     if (image.stamp != Stamp::zero()) stamps.push_back(image.stamp);
   }
   if (stamps.empty()) return std::nullopt;
-  const Stamp typical = median_of(stamps);
+  const Stamp typical = upper_median(stamps);
   if (stamps.size() < images.size() && is_recent(typical, Stamp::period::den)) {
     return fmt::format(
         "{} of {} stamps are 0, the others like {}; state when those images were taken",
         images.size() - stamps.size(), images.size(), typical.count());
   }
-  const std::vector<Stamp> spacings = spacings_of(images);
+  std::vector<Stamp> spacings = spacings_of(images);
   if (spacings.size() < kFewestSpacings) return std::nullopt;
-  const Stamp spacing = median_of(spacings);
+  const Stamp spacing = upper_median(spacings);
   const Unit* const unit = unit_of(typical);
   if (spacing < kShortestSpacing) {
     if (unit != nullptr) return looks_like(*unit, typical, spacing);

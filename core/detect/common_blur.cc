@@ -3,16 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
+
 namespace waymark {
 namespace {
 
 constexpr std::size_t kFewestSides = 12;
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 
@@ -28,7 +24,7 @@ std::optional<BlurPrior> CommonBlur::prior() {
   const auto median_of = [&](const auto& value) {
     scratch_.clear();
     for (const SideBlur& side : sides_) scratch_.push_back(value(side));
-    return median(scratch_);
+    return upper_median(scratch_);
   };
   const double middle = median_of([](const SideBlur& s) { return s.log_px; });
   const double spread =

@@ -8,8 +8,9 @@
 
 namespace waymark {
 
-/// How blurred an image is, read off the markers whose paper is not saturated: there each side
-/// shows its blur, elsewhere only the foot of its step, in which blur, white and place are one.
+/// How blurred an image is, by the markers whose paper is not saturated. Where paper is saturated
+/// only the foot of an edge's step is seen, from which blur, white level and place of the edge
+/// can't be told apart.
 class CommonBlur {
  public:
   void clear() { sides_.clear(); }

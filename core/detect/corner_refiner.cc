@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/detect/cell_steps.h"
 #include "core/detect/image_side.h"
 #include "core/detect/marker_plane.h"
@@ -370,11 +371,21 @@ std::string_view to_string(RefineFailure failure) {
   return "unknown";
 }
 
+Status RefineOptions::check() const {
+  return RangeCheck()
+      .field("max_shift_px", max_shift_px, {1, 14})
+      .field("min_contrast_grey", min_contrast_grey, {1, 255})
+      .field("max_columns", max_columns, {8, 1000})
+      .field("model_sigma_px", model_sigma_px, {0, 1})
+      .status();
+}
+
 tl::expected<RefinedCorners, RefineFailure> refine_corners(const GrayView& image,
                                                            const CameraModel& camera,
                                                            const ImageCorners& rough,
                                                            const MarkerBits& bits,
                                                            const RefineOptions& options) {
+  WAYMARK_CHECK(options.check().has_value());
   Refinement refinement(image, camera, rough, bits, options, kAnyLight);
   const auto failure = refinement.run();
   if (!failure) return refinement.result();

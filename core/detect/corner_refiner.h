@@ -5,6 +5,7 @@
 #include <string_view>
 #include <tl/expected.hpp>
 
+#include "core/base/range.h"
 #include "core/camera/camera_model.h"
 #include "core/capture/detection.h"
 #include "core/capture/gray_image.h"
@@ -18,7 +19,7 @@ struct BlurPrior {
   double log_sigma = 1;
 };
 
-/// What a side's pixels say of its blur.
+/// A side's blur as its own pixels determine it.
 struct SideBlur {
   double log_px = 0;
   double information = 0;  ///< of ln blur, from the pixels alone
@@ -26,18 +27,21 @@ struct SideBlur {
 
 /// How corners are refined.
 struct RefineOptions {
-  /// Farthest that a side may lie from the rough one (px), in [1, 14]. Also limited to 1.2 cells,
+  /// (1–14 px) Farthest that a side may lie from the rough one. Also limited to 1.2 cells,
   /// so that no edge of the code is taken for the border's.
   double max_shift_px = 8;
-  /// Least difference between paper and border (grey levels), in [1, 255].
+  /// (1–255 grey levels) Least difference between paper and border.
   double min_contrast_grey = 10;
-  /// Pixel columns used per side, in [8, 1000]: longer sides are sampled evenly.
+  /// (8–1000) Pixel columns used per side: longer sides are sampled evenly.
   int max_columns = 48;
-  /// Error that the images' noise does not explain (paper, print, lens model), added to every
-  /// corner's covariance (px per axis), in [0, 1].
+  /// (0–1 px per axis) Error that the images' noise does not explain (paper, print, lens model),
+  /// added to every corner's covariance.
   double model_sigma_px = 0.003;
-  /// What other markers of the image say of its blur: for saturated paper, which does not show it.
+  /// The image's blur as other markers show it: for saturated paper, which does not.
   std::optional<BlurPrior> blur = std::nullopt;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Corners to a few hundredths of a pixel.
@@ -75,7 +79,7 @@ enum class RefineFailure {
 /// 0.015 px RMS per axis, edges within 0.001 px (bench_detect_corners). Unbiased for a linear
 /// sensor; the sRGB response makes white grow: every edge moves inward by 0.25 px at σ 0.8 px.
 /// Of saturated paper only the step's foot is seen; its covariances grow with the saturated share.
-/// A shadow's soft edge across a marker is part of the model.
+/// A shadow's soft edge across a marker is part of the model. The options are valid (checked).
 [[nodiscard]] tl::expected<RefinedCorners, RefineFailure> refine_corners(
     const GrayView& image, const CameraModel& camera, const ImageCorners& rough,
     const MarkerBits& bits, const RefineOptions& options = {});

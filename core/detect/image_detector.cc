@@ -24,6 +24,10 @@ bool same_square(const Detection& a, const Detection& b) {
 
 }  // namespace
 
+Status ImageDetectorOptions::check() const {
+  return RangeCheck().part("detector", detector.check()).part("refine", refine.check()).status();
+}
+
 DetectionCounts& DetectionCounts::operator+=(const DetectionCounts& other) {
   found += other.found;
   unknown += other.unknown;
@@ -39,6 +43,7 @@ ImageDetector::ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOp
       options_(options),
       detector_(make_detector(families_in_images(catalog), options.detector)),
       bits_(families_in_images(catalog)) {
+  WAYMARK_CHECK(options.check().has_value());
   for (const Family family : families_in_images(catalog)) {
     correctable_bits_[family] = correctable_bits(family);
   }

@@ -16,6 +16,9 @@ namespace waymark {
 struct ImageDetectorOptions {
   DetectorOptions detector;
   RefineOptions refine;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// What became of everything that looked like a marker, summed over images.
@@ -42,7 +45,7 @@ struct FoundMarkers {
 /// What can't be refined or read is dropped and counted. Deterministic; one per thread.
 class ImageDetector {
  public:
-  /// The catalog must have an entry (checked).
+  /// The catalog has an entry of a family that is found in images; the options are valid (checked).
   explicit ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options = {});
 
   /// `camera` took the image and has its size (checked). The result is the detector's own, valid

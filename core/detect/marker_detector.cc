@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <mutex>
+#include <opencv2/core/utility.hpp>
 #include <tuple>
 #include <utility>
 
@@ -61,6 +63,7 @@ template <typename EngineOf>
 std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
                                               const DetectorOptions& options,
                                               const EngineOf& engine_of) {
+  WAYMARK_CHECK(!families.empty() && options.check().has_value());
   std::vector<std::unique_ptr<MarkerDetector>> parts;
   for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
     std::vector<Family> own;
@@ -74,6 +77,10 @@ std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
 
 }  // namespace
 
+Status DetectorOptions::check() const {
+  return RangeCheck().field("min_side_px", min_side_px, {8, 1000}).status();
+}
+
 const std::vector<Detection>& MarkerDetector::detect(const GrayView& image) noexcept {
   static const std::vector<Detection> nothing;
   failure_.clear();
@@ -85,6 +92,12 @@ const std::vector<Detection>& MarkerDetector::detect(const GrayView& image) noex
     failure_ = "the detector's library failed";
   }
   return nothing;
+}
+
+void detect_in_calling_threads() {
+  // OpenCV's setting is no atomic: it is made once, not again while detectors work.
+  static std::once_flag once;
+  std::call_once(once, [] { cv::setNumThreads(1); });
 }
 
 bool engine_knows(DetectorEngine engine, Family family) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/capture/detection.h"
 #include "core/capture/gray_image.h"
 #include "core/marker/family.h"
@@ -42,10 +43,17 @@ class MarkerDetector {
 
 /// What a detector looks for.
 struct DetectorOptions {
-  /// Shortest marker, as a quarter of its perimeter (px), in [8, 1000]. Smaller ones are mostly
+  /// (8–1000 px) Shortest marker, as a quarter of its perimeter. Smaller ones are mostly
   /// undecodable, and every step down finds more false quads and takes more time.
   double min_side_px = 12;
+
+  /// usage, naming the field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
+
+/// Has detectors do all of their work in the threads that call them, from now on and in the whole
+/// process: OpenCV else spreads it over threads of its own, which have no real-time priority.
+void detect_in_calling_threads();
 
 /// Which library finds and decodes.
 enum class DetectorEngine {
@@ -65,8 +73,8 @@ enum class DetectorEngine {
 /// takes it a second.
 [[nodiscard]] DetectorEngine best_engine(Family family);
 
-/// A detector for all `families` (at least one, checked; repeated ones count once), each found by
-/// its best engine.
+/// A detector for all `families` (at least one; repeated ones count once), each found by its best
+/// engine. Families and options are valid (checked).
 [[nodiscard]] std::unique_ptr<MarkerDetector> make_detector(std::span<const Family> families,
                                                             const DetectorOptions& options = {});
 

@@ -27,8 +27,8 @@ struct SideAppearance {
   [[nodiscard]] double contrast_grey() const { return 0.5 * (white_grey.sum() - black_grey.sum()); }
 };
 
-/// What the other sides say about this one's appearance, so that a thin or short side need not find
-/// it alone.
+/// The other sides' appearance as a prior for this one's: a thin or short side does not determine
+/// its own.
 struct SidePrior {
   SideAppearance mean;
   double black_sigma = 0;     ///< grey levels

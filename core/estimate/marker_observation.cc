@@ -1,6 +1,6 @@
 #include "core/estimate/marker_observation.h"
 
-#include "core/estimate/corner_residual.h"
+#include <utility>
 
 namespace waymark {
 namespace {
@@ -8,6 +8,10 @@ namespace {
 constexpr double kUnprojectable = 1e4 * 1e4;  ///< sigmas²
 
 }  // namespace
+
+Status ObservationLoss::check() const {
+  return RangeCheck().field("scale_sigmas", scale_sigmas, kScaleSigmas).status();
+}
 
 double gross_residual_px(const CameraModel& camera) {
   return 0.5 * std::hypot(camera.parameters().width_px, camera.parameters().height_px);
@@ -47,31 +51,44 @@ double squared_residual(const MarkerObservation& observation, const CameraModel&
   return sum;
 }
 
-void add_observation(const MarkerObservation& observation, const ObservationGeometry& geometry,
-                     const ObservationLoss& loss, FreePose free, PoseEquations& equations) {
+std::optional<std::array<LinearizedCorner, 4>> linearize_corners(
+    const MarkerObservation& observation, const ObservationGeometry& geometry, double size_factor) {
   const CornerChain chain(*geometry.camera, geometry.cam_from_rig, geometry.world_from_rig,
                           geometry.world_from_marker);
-  const auto x_in_marker = marker_corners(observation.size_m);
+  const auto x_in_marker = marker_corners(observation.size_m * size_factor);
+  std::optional<std::array<LinearizedCorner, 4>> corners(std::in_place);
+  for (std::size_t i = 0; i < 4; ++i) {
+    LinearizedCorner& corner = (*corners)[i];
+    const auto residual =
+        corner_residual(chain, x_in_marker[i], observation.corners_px[i], &corner.jacobians);
+    if (!residual) return std::nullopt;
+    corner.residual_px = *residual;
+    corner.residual = observation.whitening[i] * *residual;
+  }
+  return corners;
+}
+
+void add_observation(const MarkerObservation& observation, const ObservationGeometry& geometry,
+                     const ObservationLoss& loss, FreePose free, PoseEquations& equations) {
+  const auto corners = linearize_corners(observation, geometry);
+  if (!corners) {
+    equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kUnprojectable);
+    return;
+  }
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   const double gross_px = gross_residual_px(*geometry.camera);
   bool gross = false;
   double s = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    CornerJacobians jacobians;
-    const auto residual =
-        corner_residual(chain, x_in_marker[i], observation.corners_px[i], &jacobians);
-    if (!residual) {
-      equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kUnprojectable);
-      return;
-    }
-    const Eigen::Vector2d whitened = observation.whitening[i] * *residual;
+    const LinearizedCorner& corner = (*corners)[i];
     const Jacobian26 j =
-        observation.whitening[i] * (free == FreePose::rig ? jacobians.d_rig : jacobians.d_marker);
+        observation.whitening[i] *
+        (free == FreePose::rig ? corner.jacobians.d_rig : corner.jacobians.d_marker);
     hessian.noalias() += j.transpose() * j;
-    gradient.noalias() += j.transpose() * whitened;
-    s += whitened.squaredNorm();
-    gross = gross || residual->norm() > gross_px;
+    gradient.noalias() += j.transpose() * corner.residual;
+    s += corner.residual.squaredNorm();
+    gross = gross || corner.residual_px.norm() > gross_px;
   }
   equations.cost += robust_cost(loss.loss, loss.scale_sigmas, s);
   equations.corners += 4;

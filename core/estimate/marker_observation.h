@@ -5,8 +5,10 @@
 #include <cmath>
 #include <optional>
 
+#include "core/base/range.h"
 #include "core/camera/camera_model.h"
 #include "core/capture/detection.h"
+#include "core/estimate/corner_residual.h"
 #include "core/estimate/ippe.h"
 #include "core/estimate/pose_minimizer.h"
 #include "core/estimate/robust_loss.h"
@@ -24,18 +26,27 @@ struct MarkerObservation {
   std::optional<IppeSolutions> ippe;  ///< nullopt: degenerate, can't seed anything
 };
 
+/// An observation whose eight residuals together exceed this (sigmas) is an outlier: its square is
+/// exceeded by 1 of 56,000 of χ² with 8 degrees of freedom.
+inline constexpr double kInlierSigmas = 6.0;
+inline constexpr double kInlierSigmas2 = kInlierSigmas * kInlierSigmas;
+
 /// How much a marker's eight whitened residuals together may weigh. The loss sees the marker as a
 /// whole, because a wrong id, a moved or a half-covered marker is wrong in all its corners.
 struct ObservationLoss {
   Loss loss = Loss::huber;
-  /// (2–50 sigmas) 99.998 % of Gaussian observations stay below (χ² of 8 degrees of freedom at 36).
-  /// Real ones have wider tails, and keep their say.
-  double scale_sigmas = 6.0;
+  /// Sigmas. Real observations have wider tails than Gaussian ones; Huber's loss still counts
+  /// them. Of no meaning to Loss::squared.
+  double scale_sigmas = kInlierSigmas;
+
+  static constexpr Range kScaleSigmas{2, 50};
+  /// usage, naming the field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// A corner predicted farther off than this (half the image's diagonal, px) does not tell which way
-/// to go: near the camera plane its derivatives grow without bound, and one wrong id would outpull
-/// a whole frame set, Huber's loss or not. It still counts as a misfit.
+/// to go: near the camera plane its derivatives grow without bound, and one wrong id would outweigh
+/// a whole frame set even under Huber's loss. It still counts as a misfit.
 [[nodiscard]] double gross_residual_px(const CameraModel& camera);
 
 /// W = L⁻¹ with L Lᵀ = Σ, for a positive definite Σ (px²).
@@ -50,9 +61,6 @@ struct ObservationLoss {
 [[nodiscard]] std::optional<std::array<Eigen::Vector2d, 4>> corner_residuals(
     const MarkerObservation& observation, const CameraModel& camera, const Rigid3& cam_from_marker);
 
-/// Which end of the chain moves.
-enum class FreePose { rig, marker };
-
 /// Where an observation stands: its camera on the rig, the rig and the marker in the world.
 struct ObservationGeometry {
   const CameraModel* camera = nullptr;
@@ -60,6 +68,24 @@ struct ObservationGeometry {
   Rigid3 world_from_rig;
   Rigid3 world_from_marker;
 };
+
+/// What a corner leaves there, and how that changes.
+struct LinearizedCorner {
+  Eigen::Vector2d residual_px;  ///< χ
+  Eigen::Vector2d residual;     ///< W χ, sigmas
+  CornerJacobians jacobians;    ///< of χ
+};
+
+/// An observation's four corners where it stands, its marker `size_factor` times as large as it
+/// says; nullopt when one can't be projected. Everything that estimates poses, sizes or their
+/// uncertainty with known lenses is made of this; only the bundle's ReducedProblem, which moves
+/// lenses and edges as well, takes corner_residual itself.
+[[nodiscard]] std::optional<std::array<LinearizedCorner, 4>> linearize_corners(
+    const MarkerObservation& observation, const ObservationGeometry& geometry,
+    double size_factor = 1.0);
+
+/// Which end of the chain moves.
+enum class FreePose { rig, marker };
 
 /// Adds one observation, robustly weighted, to the equations of the pose that is free; a gross one
 /// only to their cost.

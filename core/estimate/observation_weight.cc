@@ -5,6 +5,17 @@
 
 namespace waymark {
 
+Status ObservationWeightOptions::check() const {
+  return RangeCheck()
+      .field("lambda_distance", lambda_distance, kLambda)
+      .field("lambda_angle", lambda_angle, kLambda)
+      .field("lambda_ambiguity", lambda_ambiguity, kLambda)
+      .field("epsilon_rad", epsilon_rad, kDivisor)
+      .field("max_distance_m", max_distance_m, kDivisor)
+      .field("max_angle_rad", max_angle_rad, kDivisor)
+      .status();
+}
+
 double observation_weight(double distance_m, double angle_rad, double rotation_difference_rad,
                           const ObservationWeightOptions& options) {
   const double d = distance_m / options.max_distance_m;

@@ -1,11 +1,11 @@
 #pragma once
 
+#include "core/base/range.h"
 #include "core/estimate/ippe.h"
 
 namespace waymark {
 
-/// Constants of eq. 7. Ranges: λ ≥ 0, the others > 0. Defaults are the paper's (L_all of its Table
-/// IV).
+/// Constants of eq. 7. Defaults are the paper's (L_all of its Table IV).
 struct ObservationWeightOptions {
   double lambda_distance = 1.0;   ///< λ₁
   double lambda_angle = 5.0;      ///< λ₂
@@ -13,6 +13,11 @@ struct ObservationWeightOptions {
   double epsilon_rad = 0.1;       ///< ε: how similar the two IPPE rotations count as similar
   double max_distance_m = 15.0;   ///< d_max
   double max_angle_rad = 1.5707963267948966;  ///< θ_max
+
+  static constexpr Range kLambda{0, 1e6};
+  static constexpr Range kDivisor{1e-6, 1e6};  ///< of ε, d_max, θ_max
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// The observation weight w(d, θ, r₁, r₂) of eq. 7, as the formula stands:

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
+
 namespace waymark {
 namespace {
 
@@ -29,7 +31,23 @@ const FixedMarkerObservation* best_own_fit(std::span<const FixedMarkerObservatio
 
 }  // namespace
 
+Status RigPoseOptions::check() const {
+  constexpr Range kScoreScale{5, 100};
+  return RangeCheck()
+      .part("loss", loss.check())
+      .field("score_scale_sigmas", score_scale_sigmas, kScoreScale)
+      .field("bounded_score_sigmas", bounded_score_sigmas.value_or(kScoreScale.low), kScoreScale)
+      .field("max_seed_observations", max_seed_observations, {1, 1000})
+      .field("max_refined", max_refined, {2, 50})
+      .field("max_iterations", max_iterations, {1, 200})
+      .field("ambiguity_gap", ambiguity_gap, {0, 1000})
+      .field("distinct_rad", distinct_rad, {0.002, 0.5})
+      .field("distinct_m", distinct_m, {0.001, 1})
+      .status();
+}
+
 RigPoseSolver::RigPoseSolver(const Rig& rig, const RigPoseOptions& options) : options_(options) {
+  WAYMARK_CHECK(options.check().has_value());
   for (const RigCamera& camera : rig.cameras) {
     models_.push_back(&camera.model);
     cam_from_rig_.push_back(camera.rig_from_cam.inverse());
@@ -105,14 +123,13 @@ void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> o
 std::optional<PoseOptimum> RigPoseSolver::refine(
     std::span<const FixedMarkerObservation> observations, const Rigid3& start,
     const ObservationLoss& loss) const {
+  WAYMARK_CHECK(loss.check().has_value());
   return minimize_pose(start, options_.max_iterations, [&](const Rigid3& world_from_rig) {
     PoseEquations equations;
     for (const FixedMarkerObservation& fixed : observations) {
-      const auto camera = static_cast<std::size_t>(fixed.observation->camera);
-      add_observation(
-          *fixed.observation,
-          {models_[camera], cam_from_rig_[camera], world_from_rig, fixed.world_from_marker}, loss,
-          FreePose::rig, equations);
+      add_observation(*fixed.observation,
+                      geometry(fixed.observation->camera, world_from_rig, fixed.world_from_marker),
+                      loss, FreePose::rig, equations);
     }
     return equations;
   });

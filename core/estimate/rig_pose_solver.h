@@ -39,9 +39,12 @@ struct RigPoseOptions {
   /// The runner-up explains the data too when its score exceeds the best's by less (sigmas²): 20 is
   /// the 99.7 % quantile of χ² with 6 degrees of freedom. (0–1000)
   double ambiguity_gap = 20.0;
-  /// Two solutions are distinct when they differ by more than this. (0.1–30°, 1 mm–1 m)
+  /// Two solutions are distinct when they differ by more than this. (0.002–0.5 rad, 1 mm–1 m)
   double distinct_rad = 0.035;
   double distinct_m = 0.05;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// What Algorithm 1 found.
@@ -54,12 +57,13 @@ struct RigPoseEstimate {
 /// Algorithm 1: the pose of a rig from the observations of one frame set against fixed markers
 /// (eq. 9). Seeded by both IPPE solutions of all observations of all cameras, each scored
 /// on all observations, so that a flipped marker can't win (the paper's eq. 10, an option for
-/// comparison, trusts the one marker that fits itself best and knows no runner-up). Holds its
+/// comparison, starts from the one marker that fits itself best and yields no runner-up). Holds its
 /// working memory: one solver per thread, reused, which allocates nothing once it has seen as many
 /// observations.
 class RigPoseSolver {
  public:
-  /// Keeps a reference to the rig's camera models; the rig must outlive the solver.
+  /// Keeps a reference to the rig's camera models; the rig must outlive the solver. The options are
+  /// valid (checked).
   RigPoseSolver(const Rig& rig, const RigPoseOptions& options);
 
   /// nullopt when no candidate exists (no observation has an IPPE solution and there is no prior)
@@ -73,7 +77,7 @@ class RigPoseSolver {
       std::span<const FixedMarkerObservation> observations, const Rigid3& start) const {
     return refine(observations, start, options_.loss);
   }
-  /// The same by another loss.
+  /// The same by another loss, which is valid (checked).
   [[nodiscard]] std::optional<PoseOptimum> refine(
       std::span<const FixedMarkerObservation> observations, const Rigid3& start,
       const ObservationLoss& loss) const;
@@ -87,6 +91,12 @@ class RigPoseSolver {
     return cam_from_rig_[camera];
   }
   [[nodiscard]] const CameraModel& model(std::size_t camera) const { return *models_[camera]; }
+  /// Where an observation of this camera stands.
+  [[nodiscard]] ObservationGeometry geometry(int camera, const Rigid3& world_from_rig,
+                                             const Rigid3& world_from_marker) const {
+    const auto index = static_cast<std::size_t>(camera);
+    return {models_[index], cam_from_rig_[index], world_from_rig, world_from_marker};
+  }
 
  private:
   struct Candidate {

@@ -31,4 +31,7 @@ inline constexpr Stamp kLargestStamp{(std::int64_t{1} << 62) - 1};
   return Stamp(static_cast<Stamp::rep>(std::llround(us * 1e3)));
 }
 
+/// A time in µs.
+[[nodiscard]] constexpr double in_us(Stamp time) { return static_cast<double>(time.count()) / 1e3; }
+
 }  // namespace waymark

@@ -8,8 +8,8 @@
 
 namespace waymark {
 
-/// A marker's id in JSON: 12, or "tag36h11:12" where several families meet. Who includes this links
-/// nlohmann_json.
+/// A marker's id in JSON: 12, or "tag36h11:12" where several families meet. A target
+/// that includes this header links nlohmann_json.
 [[nodiscard]] inline nlohmann::ordered_json json_of(const MarkerId& id, bool with_family) {
   if (with_family) return format_marker_id(id, true);
   return id.number;

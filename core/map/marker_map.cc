@@ -2,15 +2,12 @@
 
 namespace waymark {
 
-bool MarkerMap::several_families() const {
-  const MapMarker* first = nullptr;
+MeetingFamilies MarkerMap::families() const {
+  MeetingFamilies families;
   for (const SubMap& submap : submaps) {
-    for (const MapMarker& marker : submap.markers) {
-      if (first == nullptr) first = &marker;
-      if (marker.id.family != first->id.family) return true;
-    }
+    for (const MapMarker& marker : submap.markers) families.add(marker.id.family);
   }
-  return false;
+  return families;
 }
 
 }  // namespace waymark

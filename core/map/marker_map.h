@@ -17,8 +17,7 @@ enum class FrameKind : std::uint8_t {
   facility = 2,   ///< origin, axes and scale of the survey
 };
 
-/// What stands for a covariance that nobody knows: NaN throughout, so that nothing can pass for
-/// sure.
+/// An unknown covariance: NaN throughout, so that no computation takes it for a known one.
 [[nodiscard]] inline Matrix6d unknown_covariance() {
   return Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN());
 }
@@ -31,7 +30,7 @@ struct MapMarker {
   Rigid3 world_from_marker;
   /// Marginal 6×6 of `world_from_marker` in the tangent order of Rigid3 (m, rad; world axes).
   /// Gauge: the mean motion of all marker positions removed; in the facility frame, the survey's.
-  /// unknown_covariance() where nobody knows.
+  /// unknown_covariance() where it is not known.
   Matrix6d covariance = Matrix6d::Zero();
   std::uint32_t observations = 0;  ///< accepted ones
   std::uint32_t rejected = 0;      ///< rejected by the gate
@@ -41,7 +40,7 @@ struct MapMarker {
   [[nodiscard]] bool covariance_known() const { return covariance.allFinite(); }
 };
 
-/// Markers that hang together, in one world frame.
+/// Markers connected by observations, in one world frame.
 struct SubMap {
   FrameKind frame = FrameKind::arbitrary;
   bool z_is_up = false;            ///< known: levelled, or the survey's frame
@@ -59,7 +58,9 @@ struct MarkerMap {
   std::vector<SubMap> submaps;                    ///< by falling marker count, then first id
 
   /// Whether ids must be written with their family.
-  [[nodiscard]] bool several_families() const;
+  [[nodiscard]] bool several_families() const { return families().several(); }
+  /// Those of its markers.
+  [[nodiscard]] MeetingFamilies families() const;
 };
 
 }  // namespace waymark

@@ -59,4 +59,21 @@ struct FamilyTraits {
 /// nullopt for a number that is no family (a damaged or newer file).
 [[nodiscard]] std::optional<Family> family_from_number(int number);
 
+/// The families that meet somewhere: in a capture, a map, a report. Where several do, ids are
+/// written "family:number", and a bare number means none.
+class MeetingFamilies {
+ public:
+  void add(Family family) {
+    several_ = several_ || (first_ && *first_ != family);
+    if (!first_) first_ = family;
+  }
+  [[nodiscard]] bool several() const { return several_; }
+  /// The only one; nullopt where there is none, or where several meet.
+  [[nodiscard]] std::optional<Family> only() const { return several_ ? std::nullopt : first_; }
+
+ private:
+  std::optional<Family> first_;
+  bool several_ = false;
+};
+
 }  // namespace waymark

@@ -244,9 +244,10 @@ std::optional<double> MarkerCatalog::size_m(const MarkerId& id) const {
   return std::nullopt;
 }
 
-std::optional<Family> MarkerCatalog::only_family() const {
-  if (entries_.size() != 1) return std::nullopt;
-  return entries_.front().family;
+MeetingFamilies MarkerCatalog::families() const {
+  MeetingFamilies families;
+  for (const FamilyEntry& entry : entries_) families.add(entry.family);
+  return families;
 }
 
 std::string MarkerCatalog::fingerprint() const {

@@ -33,10 +33,12 @@ class MarkerCatalog {
   [[nodiscard]] std::optional<double> size_m(const MarkerId& id) const;
 
   /// Whether several families meet, so that ids are written "family:number".
-  [[nodiscard]] bool several_families() const { return entries_.size() > 1; }
+  [[nodiscard]] bool several_families() const { return families().several(); }
 
   /// The family that a bare number means; nullopt when several meet.
-  [[nodiscard]] std::optional<Family> only_family() const;
+  [[nodiscard]] std::optional<Family> only_family() const { return families().only(); }
+  /// Those that have an entry.
+  [[nodiscard]] MeetingFamilies families() const;
 
   /// "12" or "tag36h11:12", as several_families() asks.
   [[nodiscard]] std::string format(const MarkerId& id) const {

@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include "core/base/check.h"
+
 namespace waymark {
 
 namespace {
@@ -25,6 +27,7 @@ bool is_libcamera_id(std::string_view device) {
 
 Expected<std::unique_ptr<FrameSource>> libcamera_source(std::shared_ptr<VideoSystem> system,
                                                         const LibcameraOptions& options) {
+  WAYMARK_CHECK(options.camera.check().has_value());
   auto* const make = of_module<MakeLibcameraSource>(kMakeLibcameraSourceSymbol);
   if (make == nullptr) {
     return fail(ErrorKind::unavailable,

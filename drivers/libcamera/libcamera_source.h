@@ -22,7 +22,7 @@ struct LibcameraOptions {
 
 /// A camera's frames by libcamera's requests, which are recycled. Luma is used where the driver put
 /// it. Loads the module that holds libcamera, which programs without such a camera need not pay
-/// for. Errors: unavailable when the module is not installed.
+/// for. The options are valid (checked). Errors: unavailable when the module is not installed.
 [[nodiscard]] Expected<std::unique_ptr<FrameSource>> libcamera_source(
     std::shared_ptr<VideoSystem> system, const LibcameraOptions& options);
 

@@ -4,6 +4,7 @@
 
 #include <atomic>
 
+#include "core/base/check.h"
 #include "drivers/interrupt.h"
 #include "drivers/stall_watch.h"
 #include "drivers/v4l2/buffer_stamp.h"
@@ -210,6 +211,7 @@ class V4l2Source final : public FrameSource {
 
 std::unique_ptr<FrameSource> v4l2_source(std::shared_ptr<VideoSystem> system,
                                          const CameraOptions& options) {
+  WAYMARK_CHECK(options.check().has_value());
   return std::make_unique<V4l2Source>(std::move(system), options);
 }
 

@@ -7,9 +7,19 @@
 namespace waymark {
 
 const char* name_of(DropReason reason) {
-  constexpr std::array<const char*, kDropReasons> kNames = {
-      "mismatched", "overtaken", "late", "too_few", "bad_stamp", "unhealthy", "solver_busy"};
+  constexpr std::array<const char*, kDropReasons> kNames = {"mismatched",  "overtaken", "late",
+                                                            "too_few",     "bad_stamp", "unhealthy",
+                                                            "solver_busy", "unsearched"};
   return kNames.at(static_cast<std::size_t>(reason));
+}
+
+Status SyncOptions::check() const {
+  return RangeCheck()
+      .field("tolerance in us", in_us(tolerance), kTolerance_us)
+      .field("deadline in ms", in_us(deadline) / 1e3, kDeadline_ms)
+      .field("min_cameras", min_cameras, kMinCameras)
+      .field("leave_after_sets", leave_after_sets, kLeaveAfterSets)
+      .status();
 }
 
 Stamp FrameSetLease::set_stamp() const {
@@ -45,6 +55,7 @@ Stamp FrameSetLease::max_skew() const {
 FrameSynchronizer::FrameSynchronizer(std::size_t cameras, const SyncOptions& options)
     : cameras_(cameras), options_(options) {
   WAYMARK_CHECK(cameras >= 1 && cameras <= kMaxCameras);
+  WAYMARK_CHECK(options.check().has_value());
 }
 
 void FrameSynchronizer::drop(Slot& slot, DropReason reason) {

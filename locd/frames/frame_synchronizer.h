@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/range.h"
+#include "core/capture/frame_set.h"
 #include "drivers/frame.h"
 #include "locd/camera_mask.h"
 
@@ -24,9 +25,12 @@ struct SyncOptions {
   /// always wait.
   int leave_after_sets = 3;
 
-  static constexpr Range kTolerance_us{0, 1e6};
+  static constexpr Range kTolerance_us = kSyncTolerance_us;
   static constexpr Range kDeadline_ms{1, 10'000};
   static constexpr Range kMinCameras{1, kMaxCameras};
+  static constexpr Range kLeaveAfterSets{0, 1000};
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Why a frame came into no set, or its set to no pose.
@@ -36,10 +40,11 @@ enum class DropReason : std::uint8_t {
   late = 2,         ///< its set had gone already
   too_few = 3,      ///< its set has fewer than min_cameras
   bad_stamp = 4,    ///< its stamp lies in the future, too far back, or does not rise
-  unhealthy = 5,    ///< frozen, dark, saturated, obscured
+  unhealthy = 5,    ///< frozen, stale, dark, saturated, obscured
   solver_busy = 6,  ///< a newer set came before the solver was free
+  unsearched = 7,   ///< the library that finds markers failed on it
 };
-inline constexpr std::size_t kDropReasons = 7;
+inline constexpr std::size_t kDropReasons = 8;
 [[nodiscard]] const char* name_of(DropReason reason);
 
 /// Counts per reason, one block per camera.
@@ -68,6 +73,7 @@ struct FrameSetLease {
 /// No allocation. Not for several threads.
 class FrameSynchronizer {
  public:
+  /// At most kMaxCameras; the options are valid (checked).
   FrameSynchronizer(std::size_t cameras, const SyncOptions& options);
 
   /// Takes a camera's next frame at `now`.

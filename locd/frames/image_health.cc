@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "core/base/check.h"
+
 namespace waymark {
 namespace {
 
@@ -69,8 +71,22 @@ std::uint64_t hash_of(std::span<const Detection> detections) {
 
 }  // namespace
 
+Status ImageHealthOptions::check() const {
+  return RangeCheck()
+      .field("identical_images", identical_images, {2, 100})
+      .field("dark_grey", dark_grey, {1, 100})
+      .field("bright_grey", bright_grey, {100, 255})
+      .field("saturated_share", saturated_share, {0.1, 1})
+      .field("edge_grey", edge_grey, {1, 50})
+      .field("sets_to_raise", sets_to_raise, {1, 100})
+      .field("sets_to_clear", sets_to_clear, {1, 100})
+      .status();
+}
+
 ImageHealth::ImageHealth(std::size_t cameras, const ImageHealthOptions& options)
-    : options_(options), cameras_(cameras) {}
+    : options_(options), cameras_(cameras) {
+  WAYMARK_CHECK(options.check().has_value());
+}
 
 void ImageHealth::look(std::size_t camera, const GrayView& image, Stamp stamp,
                        std::vector<Alert>& alerts) {

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/capture/detection.h"
 #include "core/capture/gray_image.h"
 #include "locd/alert.h"
@@ -25,6 +26,9 @@ struct ImageHealthOptions {
   int edge_grey = 10;
   int sets_to_raise = 3;  ///< dark, saturated, obscured so often in a row (1–100)
   int sets_to_clear = 3;  ///< (1–100)
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Recognizes images that are frozen, stale (old buffers in turn), dark, saturated or covered.
@@ -32,6 +36,7 @@ struct ImageHealthOptions {
 /// rig. No allocation.
 class ImageHealth {
  public:
+  /// The options are valid (checked).
   ImageHealth(std::size_t cameras, const ImageHealthOptions& options = {});
 
   /// Images of a camera that its next one is compared with: the last different ones.

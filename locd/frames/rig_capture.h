@@ -14,7 +14,8 @@
 namespace waymark {
 
 /// All cameras of a rig, each in a thread of its own, and the newest frame set they gave. A camera
-/// that fails is started again, after a pause that grows to 5 s and that a device's coming ends.
+/// that fails is started again after a pause that grows to 5 s, or at once when a video device is
+/// plugged in.
 class RigCapture {
  public:
   /// One source per camera, by the rig's order; `stamp_delays` likewise, or none.
@@ -47,7 +48,7 @@ class RigCapture {
     Stamp last_turn{0};
     std::uint64_t frames = 0;
     std::uint64_t damaged = 0;
-    std::uint64_t lost = 0;  ///< frames that the device took and nobody got
+    std::uint64_t lost = 0;  ///< frames that the device took but did not deliver
     std::uint64_t starts = 0;
     bool unsynced = false;  ///< its stamps can't be believed; arrival times are used
     DropCounts dropped{};

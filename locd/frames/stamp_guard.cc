@@ -2,14 +2,29 @@
 
 #include <algorithm>
 
-namespace waymark {
+#include "core/base/check.h"
 
+namespace waymark {
 namespace {
 
 /// A gap of more periods tells no more of them (2–100).
 constexpr int kLongestGap = 8;
 
 }  // namespace
+
+Status StampGuardOptions::check() const {
+  return RangeCheck()
+      .field("delay in us", in_us(delay), kDelay_us)
+      .field("future in ms", in_us(future) / 1e3, {0, 100})
+      .field("oldest_periods", oldest_periods, {1, 100})
+      .field("distrust_after", distrust_after, {1, 1000})
+      .field("trust_after", trust_after, {1, 10'000})
+      .status();
+}
+
+StampGuard::StampGuard(const StampGuardOptions& options) : options_(options) {
+  WAYMARK_CHECK(options.check().has_value());
+}
 
 bool StampGuard::believable(Stamp stamp, Stamp arrival) const {
   if (stamp > arrival + options_.future) return false;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/base/check.h"
+#include "core/base/median.h"
 #include "core/estimate/robust_loss.h"
 #include "core/geometry/symmetric_factor.h"
 
@@ -10,7 +12,6 @@ namespace waymark {
 namespace {
 
 constexpr double kMeanMemory = 0.95;
-constexpr double kFits = 36.0;
 /// Share of a marker's misfit that a displacement which explains it may leave: it is linear only.
 constexpr double kLeftOver = 0.02;
 /// χ² that one set may have against a camera: a third of what names it.
@@ -30,21 +31,31 @@ RigPoseOptions solver_options() {
   return options;
 }
 
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
-
 double squared_sigmas(const Eigen::Vector3d& offset, const Eigen::Matrix3d& covariance) {
   return offset.dot(SymmetricFactor<3>(covariance).solve(offset));
 }
 
 }  // namespace
 
+Status CameraWatchOptions::check() const {
+  return RangeCheck()
+      .field("min_turn_rad", min_turn_rad, {0.001, 0.2})
+      .field("min_offset_m", min_offset_m, {0.001, 1})
+      .field("chi2", chi2, {20, 1000})
+      .field("memory_sets", memory_sets, {10, 1000})
+      .field("min_sets", min_sets, {3, 1000})
+      .field("clear_margin", clear_margin, {1, 10})
+      .field("sets_to_decide", sets_to_decide, {static_cast<double>(min_sets), 10'000})
+      .field("trusted_share", trusted_share, {0.5, 1})
+      .field("swap_sets", swap_sets, {2, 1000})
+      .field("right_sets", right_sets, {2, 1000})
+      .field("coherent_share", coherent_share, {0.5, 1})
+      .status();
+}
+
 CameraWatch::CameraWatch(const Rig& rig, const MapIndex& map, const CameraWatchOptions& options)
     : map_(map), options_(options), cameras_(rig.cameras.size()), solver_(rig, solver_options()) {
+  WAYMARK_CHECK(options.check().has_value());
   for (std::size_t a = 0; a < cameras_; ++a) {
     for (std::size_t b = a + 1; b < cameras_; ++b) pairs_.push_back({a, b, 0});
   }
@@ -128,7 +139,7 @@ void CameraWatch::fit_camera(std::size_t camera, std::span<const SetObservation>
   for (const WhitenedResidual& w : whitened_) {
     const double left = (w.residual + w.by_rig * step).squaredNorm();
     squared_.push_back(left);
-    explained += left <= std::max(kFits, kLeftOver * w.residual.squaredNorm()) ? 1 : 0;
+    explained += left <= std::max(kInlierSigmas2, kLeftOver * w.residual.squaredNorm()) ? 1 : 0;
   }
   // A camera that stands elsewhere has all its markers elsewhere; one that sees a moved marker has
   // not. Farther off nothing is linear; swapped cameras are looked for in another way.
@@ -302,7 +313,7 @@ bool CameraWatch::coherent_when_swapped(std::span<const SetObservation> observat
     const double s =
         squared_residual(*fixed.observation, solver_.model(camera),
                          solver_.cam_from_rig(camera) * (rig_from_world * fixed.world_from_marker));
-    inliers += s <= kFits ? 1 : 0;
+    inliers += s <= kInlierSigmas2 ? 1 : 0;
   }
   return inliers >= options_.coherent_share * static_cast<double>(fixed_.size());
 }

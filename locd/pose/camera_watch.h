@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/camera/rig.h"
 #include "locd/alert.h"
 #include "locd/pose/corner_noise.h"
@@ -16,7 +17,7 @@ namespace waymark {
 
 /// When a camera is said not to stand where the rig file says.
 struct CameraWatchOptions {
-  double min_turn_rad = 0.005;  ///< smaller ones are calibration's concern, 0.3° (0.05–10°)
+  double min_turn_rad = 0.005;  ///< smaller ones are calibration's concern, 0.3° (0.001–0.2)
   double min_offset_m = 0.020;  ///< likewise (1 mm–1 m)
   double chi2 = 80.0;  ///< of either against its own covariance, 3 degrees of freedom (20–1000)
   double memory_sets = 100;    ///< residuals are summed over so many (10–1000)
@@ -27,15 +28,19 @@ struct CameraWatchOptions {
   int swap_sets = 6;             ///< that only a swap explains, to name it (2–1000)
   int right_sets = 20;           ///< in which both agree with the others, to end it (2–1000)
   double coherent_share = 0.75;  ///< inliers of a set in which nothing is wrong (0.5–1)
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Watches whether the cameras stand to each other as the rig file says. In each set, each camera's
 /// markers are fitted by themselves; where the cameras' own poses differ from one another, always
 /// in the same way as seen from the rig, one of them does not stand where it should: the one whose
-/// displacement explains most. Where sets fall apart altogether it is asked whether two cameras in
-/// each other's place would explain them. Either is over when the cameras agree again.
+/// displacement explains most. Where most markers of a set are outliers, exchanging two cameras is
+/// tried as an explanation. Either alert ends when the cameras agree again.
 class CameraWatch {
  public:
+  /// The options are valid (checked).
   CameraWatch(const Rig& rig, const MapIndex& map, const CameraWatchOptions& options = {});
 
   /// One set: its observations with residuals at its pose.
@@ -47,7 +52,7 @@ class CameraWatch {
     return {own_residuals_.data(), own_count_};
   }
 
-  /// Cameras whose outliers tell of markers, not of the camera.
+  /// Cameras whose outliers are due to their markers, not to the camera itself.
   [[nodiscard]] CameraMask trusted() const;
   /// Cameras that were named and have not been right since.
   [[nodiscard]] CameraMask suspects() const;

@@ -19,6 +19,7 @@ bool has_size_of(const GrayView& image, const CameraModel& camera) {
 FrameDetector::FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads,
                              const std::function<void()>& begin_worker)
     : rig_(rig), found_(rig.cameras.size()) {
+  detect_in_calling_threads();
   if (families_in_images(catalog).empty()) return;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     detectors_.push_back(std::make_unique<ImageDetector>(catalog));
@@ -54,6 +55,8 @@ void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras) {
       to_search |= camera_bit(c);
     }
   }
+  searched_ = to_search;
+  failed_ = 0;
   if (to_search == 0) return;
   {
     const std::lock_guard lock(mutex_);
@@ -67,7 +70,9 @@ void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras) {
   done_.wait(lock, [this] { return unfinished_ == 0; });
   set_ = nullptr;
   for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
-    if ((to_search & camera_bit(c)) != 0) results_[c] = found_[c]->detections;
+    if ((to_search & camera_bit(c)) == 0) continue;
+    results_[c] = found_[c]->detections;
+    if (!found_[c]->failure.empty()) failed_ |= camera_bit(c);
   }
 }
 

@@ -17,8 +17,8 @@
 namespace waymark {
 
 /// Finds the markers in all images of a set at once, by worker threads made at start, one detector
-/// per camera. Frames that come with their detections (a capture's detections.csv) are not looked
-/// at again.
+/// per camera, and by no others: the detector's library makes none of its own. Frames that come
+/// with their detections (a capture's detections.csv) are not looked at again.
 class FrameDetector {
  public:
   /// `threads` 0: one per camera, at most as many as there are processors. The thread that calls
@@ -30,11 +30,15 @@ class FrameDetector {
   FrameDetector(const FrameDetector&) = delete;
   FrameDetector& operator=(const FrameDetector&) = delete;
 
-  /// Detections of the cameras in `cameras`; detections_of() is valid until the next call.
+  /// Detections of the cameras in `cameras`; what is asked below is valid until the next call.
   void detect(const FrameSetLease& set, CameraMask cameras);
   [[nodiscard]] std::span<const Detection> detections_of(std::size_t camera) const {
     return results_[camera];
   }
+  /// Cameras whose images were searched for markers.
+  [[nodiscard]] CameraMask searched() const { return searched_; }
+  /// Those of them whose images could not be searched: the library that finds markers failed.
+  [[nodiscard]] CameraMask failed() const { return failed_; }
 
  private:
   void work();
@@ -46,6 +50,8 @@ class FrameDetector {
   std::vector<std::unique_ptr<ImageDetector>> detectors_;
   std::vector<const FoundMarkers*> found_;  ///< the detectors' own
   std::array<std::span<const Detection>, kMaxCameras> results_;
+  CameraMask searched_ = 0;
+  CameraMask failed_ = 0;
 
   PriorityMutex mutex_;  ///< of everything below: the workers may be on SCHED_FIFO
   PriorityCondition begun_;

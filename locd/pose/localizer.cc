@@ -9,13 +9,12 @@
 #include "core/base/check.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/image_health.h"
-#include "locd/frames/skew_watch.h"
 #include "locd/pose/camera_watch.h"
 #include "locd/pose/corner_noise.h"
+#include "locd/pose/detection_watch.h"
 #include "locd/pose/frame_detector.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
-#include "locd/pose/motion_filter.h"
 #include "locd/pose/robust_pose.h"
 
 namespace waymark {
@@ -32,10 +31,10 @@ MotionOptions motion_options(const LocalizerOptions& options) {
 }  // namespace
 
 Status LocalizerOptions::check() const {
-  if (auto checked = gate.check(); !checked) return checked;
   return RangeCheck()
+      .part("gate", gate.check())
       .field("prior_max_age_s", prior_max_age_s, kPriorMaxAge_s)
-      .field("negligible_skew in ms", 1e3 * seconds(negligible_skew), kNegligibleSkew_ms)
+      .field("negligible_skew in ms", in_us(negligible_skew) / 1e3, kNegligibleSkew_ms)
       .field("detection_threads", detection_threads, kDetectionThreads)
       .status();
 }
@@ -88,7 +87,9 @@ struct Localizer::Implementation {
   CameraWatch camera_watch;
   ImageHealth health;
   SkewWatch skew_watch;
-  CameraMask usable = 0;  ///< cameras of the set whose images are of use
+  DetectionWatch detection_watch;
+  CameraMask unhealthy_frames = 0;  ///< cameras of the set whose images are of no use
+  CameraMask usable = 0;            ///< those whose images are of use, and could be searched
   /// A detection of the set, before it is known how many there are.
   struct Candidate {
     std::size_t camera;
@@ -108,6 +109,9 @@ void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate&
   look_at_images(set);
   skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
   detector.detect(set, usable);
+  detection_watch.look(detector.searched(), detector.failed(), estimate.stamp, alerts);
+  unhealthy_frames = set.cameras & ~usable;
+  usable &= ~detector.failed();
   const Stamp detected = monotonic_now();
   find_candidates(set);
   observe(estimate);
@@ -385,6 +389,17 @@ std::size_t Localizer::most_quarantined() const {
 
 void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {
   implementation_->map_watch.restore(markers);
+}
+
+CameraMask Localizer::left_out(DropReason why) const {
+  switch (why) {
+    case DropReason::unhealthy:
+      return implementation_->unhealthy_frames;
+    case DropReason::unsearched:
+      return implementation_->detector.failed();
+    default:
+      return 0;
+  }
 }
 
 CameraMask Localizer::unhealthy_cameras() const { return implementation_->health.unhealthy(); }

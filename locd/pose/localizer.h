@@ -11,6 +11,8 @@
 #include "core/map/quarantine.h"
 #include "locd/alert.h"
 #include "locd/frames/frame_synchronizer.h"
+#include "locd/frames/skew_watch.h"
+#include "locd/pose/motion_filter.h"
 #include "locd/pose/pose_estimate.h"
 #include "locd/pose/pose_gate.h"
 
@@ -19,7 +21,7 @@ namespace waymark {
 /// How frame sets become poses.
 struct LocalizerOptions {
   GateOptions gate;
-  double prior_max_age_s = 0.5;  ///< older poses say nothing of the next
+  double prior_max_age_s = 0.5;  ///< older poses predict nothing
   /// Exposures farther apart need the rig's velocity to be put together; on a triggered rig they
   /// must not occur.
   Stamp negligible_skew = std::chrono::microseconds(1000);
@@ -28,8 +30,8 @@ struct LocalizerOptions {
   /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
   std::function<void()> begin_worker;
 
-  static constexpr Range kPriorMaxAge_s{0.05, 10};
-  static constexpr Range kNegligibleSkew_ms{0, 100};
+  static constexpr Range kPriorMaxAge_s = MotionOptions::kMaxAge_s;
+  static constexpr Range kNegligibleSkew_ms = SkewWatchOptions::kMost_ms;
   static constexpr Range kDetectionThreads{0, kMaxCameras};
   /// usage, naming the first field that lies outside its range.
   [[nodiscard]] Status check() const;
@@ -64,8 +66,8 @@ class Localizer {
   /// comes again after a reload is no new one. No allocation.
   void remember_images_of(const Localizer& before);
 
-  /// Markers that the map watch distrusts, to be kept across restarts: whether they are others than
-  /// at the last call of list_quarantine().
+  /// Whether the quarantined markers, which are to be kept across restarts, are others than at the
+  /// last call of list_quarantine().
   [[nodiscard]] bool quarantine_changed() const;
   /// Puts them into `list`, by rising id; never more than most_quarantined().
   void list_quarantine(std::vector<QuarantinedMarker>& list);
@@ -75,6 +77,9 @@ class Localizer {
 
   /// Cameras whose images can't be used now: frozen, stale, dark, saturated, obscured.
   [[nodiscard]] CameraMask unhealthy_cameras() const;
+  /// Cameras whose frame in the last set was left out, and why: unhealthy (or given before) or
+  /// unsearched; none for other reasons.
+  [[nodiscard]] CameraMask left_out(DropReason why) const;
 
  private:
   struct Implementation;

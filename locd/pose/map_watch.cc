@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/geometry/symmetric_factor.h"
 #include "locd/pose/whitened_residual.h"
 
@@ -12,8 +13,6 @@ namespace {
 
 /// Residuals this large (sigmas²) say where a marker is not, hardly where it is.
 constexpr double kLinear = 400.0;
-/// As RobustPose tells inliers.
-constexpr double kFits = 36.0;
 
 /// What of the residuals' unit covariance is left when the pose has (inlier) or has not (outlier)
 /// been fitted to them: 1 − J P Jᵀ, (1 + J P Jᵀ)⁻¹. As information on r it is cov⁻¹ after
@@ -27,8 +26,24 @@ Matrix8d left_out_information(const WhitenedResidual& w, const Matrix6d& pose_co
 
 }  // namespace
 
+Status MapWatchOptions::check() const {
+  return RangeCheck()
+      .field("min_other_markers", min_other_markers, {2, 20})
+      .field("min_offset_m", min_offset_m, {0.001, 1})
+      .field("min_turn_rad", min_turn_rad, {0.002, 0.5})
+      .field("naming_chi2", naming_chi2, {20, 500})
+      .field("memory_sets", memory_sets, {10, 1000})
+      .field("sets_elsewhere", sets_elsewhere, {2, 100})
+      .field("sets_back", sets_back, {2, 1000})
+      .field("sets_unknown", sets_unknown, {2, 1000})
+      .field("unknown_memory in s", in_us(unknown_memory) / 1e6, {1, 3600})
+      .field("unknown_gone in s", in_us(unknown_gone) / 1e6, {60, 86'400})
+      .status();
+}
+
 MapWatch::MapWatch(MapIndex& map, const RigPoseSolver& solver, const MapWatchOptions& options)
     : map_(map), solver_(solver), options_(options), records_(map.size()) {
+  WAYMARK_CHECK(options.check().has_value());
   unknown_.reserve(kMostUnknown);
   seen_.reserve(kMaxObservations);
 }
@@ -78,7 +93,7 @@ void MapWatch::find_seen(std::span<const SetObservation> observations, CameraMas
     const auto camera = static_cast<std::size_t>(o.observation.camera);
     if ((trusted_cameras & camera_bit(camera)) == 0) continue;
     ++seen.observations;
-    seen.fitting += o.sigmas_squared <= kFits ? 1 : 0;
+    seen.fitting += o.sigmas_squared <= kInlierSigmas2 ? 1 : 0;
     if (seen.largest == nullptr || area_px2(o.detected_px) > area_px2(seen.largest->detected_px)) {
       seen.largest = &o;
     }

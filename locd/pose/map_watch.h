@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/map/quarantine.h"
 #include "locd/alert.h"
 #include "locd/pose/map_index.h"
@@ -16,7 +17,7 @@ namespace waymark {
 struct MapWatchOptions {
   int min_other_markers = 3;    ///< inliers beside it, for a set to tell anything (2–20)
   double min_offset_m = 0.015;  ///< smaller moves are left to the robust loss (1 mm–1 m)
-  double min_turn_rad = 0.05;   ///< likewise, 3° (0.1–30°)
+  double min_turn_rad = 0.05;   ///< likewise, 3° (0.002–0.5)
   /// Of the offset against its own and the map's covariance; 6 degrees of freedom, 1e-11 (20–500)
   double naming_chi2 = 65.0;
   double memory_sets = 60;  ///< small residuals are summed over so many (10–1000)
@@ -27,6 +28,9 @@ struct MapWatchOptions {
   Stamp unknown_memory = std::chrono::seconds(10);
   /// Not seen for so long, a marker that the map lacks hangs there no more. (1 min–1 day)
   Stamp unknown_gone = std::chrono::hours(1);
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Watches over time whether the map's markers still hang where it says. Two kinds of evidence:
@@ -36,6 +40,7 @@ struct MapWatchOptions {
 /// anywhere, gathers neither. Markers found to have moved are quarantined in the index and named.
 class MapWatch {
  public:
+  /// The options are valid (checked).
   MapWatch(MapIndex& map, const RigPoseSolver& solver, const MapWatchOptions& options = {});
 
   /// One set: its observations with residuals, and its pose; observations of quarantined markers in

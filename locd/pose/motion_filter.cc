@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/base/check.h"
 #include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
@@ -19,6 +20,20 @@ Matrix6d diagonal(double translation, double rotation) {
 }
 
 }  // namespace
+
+Status MotionOptions::check() const {
+  return RangeCheck()
+      .field("max_age_s", max_age_s, kMaxAge_s)
+      .field("speed_sigma_mps", speed_sigma_mps, {0.05, 20})
+      .field("turn_sigma_radps", turn_sigma_radps, {0.05, 20})
+      .field("accel_density", accel_density, {0.01, 100})
+      .field("turn_accel_density", turn_accel_density, {0.01, 100})
+      .status();
+}
+
+MotionFilter::MotionFilter(const MotionOptions& options) : options_(options) {
+  WAYMARK_CHECK(options.check().has_value());
+}
 
 Matrix6d MotionFilter::unknown_velocity_covariance() const {
   return diagonal(options_.speed_sigma_mps * options_.speed_sigma_mps,

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "core/base/range.h"
 #include "core/geometry/rigid3.h"
 #include "core/geometry/stamp.h"
 
@@ -10,14 +11,18 @@ namespace waymark {
 
 /// How the vehicle is taken to move.
 struct MotionOptions {
-  double max_age_s = 0.5;        ///< older poses say nothing (0.05–10)
-  double speed_sigma_mps = 1.0;  ///< before anything is known, standing ± this (0.05–20)
-  double turn_sigma_radps = 0.7;
+  double max_age_s = 0.5;         ///< older poses predict nothing
+  double speed_sigma_mps = 1.0;   ///< before anything is known, standing ± this (0.05–20)
+  double turn_sigma_radps = 0.7;  ///< likewise (0.05–20)
   /// White acceleration, root of its spectral density: how far the velocity wanders in 1 s.
   /// (0.01–100) A forklift that brakes at 2 m/s² for half a second, or begins to turn at 40°/s in
   /// as long, lies within 2 sigma.
   double accel_density = 0.7;       ///< m/s² per √Hz
   double turn_accel_density = 0.5;  ///< rad/s² per √Hz
+
+  static constexpr Range kMaxAge_s{0.05, 10};
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Where the rig is expected, and how sure that is.
@@ -46,7 +51,8 @@ struct MotionEvidence {
 /// published pose: those stay independent of one another.
 class MotionFilter {
  public:
-  explicit MotionFilter(const MotionOptions& options) : options_(options) {}
+  /// The options are valid (checked).
+  explicit MotionFilter(const MotionOptions& options);
 
   /// nullopt without a pose, or when the last is older than max_age_s or newer than `stamp`.
   [[nodiscard]] std::optional<MotionPrediction> predict(Stamp stamp) const;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/estimate/corner_residual.h"
 #include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
@@ -15,16 +14,12 @@ void for_each_corner(std::span<const SetObservation> observations, const MapInde
                      const RigPoseSolver& solver, const Rigid3& world_from_rig, const Use& use) {
   for (const SetObservation& o : observations) {
     if (!o.inlier) continue;
-    const MapMarker& marker = map.marker(o.map_index);
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    const CornerChain chain(solver.model(camera), solver.cam_from_rig(camera), world_from_rig,
-                            marker.world_from_marker);
-    const auto corners = marker_corners(marker.size_m);
+    const auto corners = linearize_corners(
+        o.observation, solver.geometry(o.observation.camera, world_from_rig,
+                                       map.marker(o.map_index).world_from_marker));
+    if (!corners) continue;
     for (std::size_t i = 0; i < 4; ++i) {
-      CornerJacobians jacobians;
-      const auto residual =
-          corner_residual(chain, corners[i], o.observation.corners_px[i], &jacobians);
-      if (residual) use(o, i, *residual, jacobians);
+      use(o, i, (*corners)[i].residual_px, (*corners)[i].jacobians);
     }
   }
 }

@@ -10,13 +10,13 @@
 
 namespace waymark {
 
-/// What is believed of the velocity before a set.
+/// The velocity as it is known before a set.
 struct VelocityPrior {
   Vector6d velocity = Vector6d::Zero();  ///< m/s, rad/s, world axes
   Matrix6d covariance = Matrix6d::Identity();
 };
 
-/// What the inliers' residuals say at a pose and velocity, their whitening as it stands.
+/// The inliers' normal equations at a pose and velocity, with their present whitening.
 [[nodiscard]] MotionEvidence motion_evidence(std::span<const SetObservation> observations,
                                              const MapIndex& map, const RigPoseSolver& solver,
                                              const Rigid3& world_from_rig,

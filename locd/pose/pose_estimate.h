@@ -114,7 +114,7 @@ struct PoseEstimate {
   [[nodiscard]] bool has(PoseReason reason) const { return (reasons & bit(reason)) != 0; }
   [[nodiscard]] bool has_pose() const { return status != PoseStatus::lost; }
 
-  /// Makes the estimate one that knows nothing: LOST for `why`, every number of the pose NaN,
+  /// Empties the estimate: LOST for `why`, every number of the pose NaN,
   /// stamps and counts 0, no observations.
   void reset(PoseReason why);
   /// The same of a frame set: with its number, stamps and cameras.

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/check.h"
 #include "core/geometry/decompositions.h"
 #include "core/geometry/symmetric_factor.h"
 
@@ -33,6 +34,10 @@ Status GateOptions::check() const {
       .field("vouching_factor", vouching_factor, kVouchingFactor)
       .field("sets_to_believe_jump", sets_to_believe_jump, kSetsToBelieveJump)
       .status();
+}
+
+PoseGate::PoseGate(const GateOptions& options) : options_(options) {
+  WAYMARK_CHECK(options.check().has_value());
 }
 
 PoseSigmas worst_sigmas(const Matrix6d& covariance) {

@@ -43,7 +43,8 @@ struct PoseSigmas {
 /// Tells what is wrong with a solution. Remembers where the rig was.
 class PoseGate {
  public:
-  explicit PoseGate(const GateOptions& options) : options_(options) {}
+  /// The options are valid (checked).
+  explicit PoseGate(const GateOptions& options);
 
   /// Reasons against the solution, 0 for none; of few_markers, sigma, ambiguous, jump, outliers.
   [[nodiscard]] ReasonBits judge(Stamp stamp, const PoseSolution& solution,

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/estimate/corner_residual.h"
+#include "core/base/check.h"
 #include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
@@ -24,12 +24,22 @@ bool timed(const SetObservation& o) {
 
 }  // namespace
 
+Status RobustPoseOptions::check() const {
+  return RangeCheck()
+      .field("inlier_sigmas", inlier_sigmas, {4, 20})
+      .field("tukey_sigmas", tukey_sigmas, {6, 40})
+      .field("seed_observations", seed_observations, {1, 64})
+      .field("all_seed_observations", all_seed_observations, {1, 512})
+      .status();
+}
+
 RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options)
     : map_(map),
       cameras_(static_cast<int>(rig.cameras.size())),
       options_(options),
       solver_(rig, solver_options()),
       covariance_(map_, solver_) {
+  WAYMARK_CHECK(options.check().has_value());
   marker_verdicts_.reserve(map.size());
 }
 
@@ -118,7 +128,7 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
     if (inliers == before) return true;
     before = inliers;
     collect(observations, Which::inliers);
-    const auto least_squares = solver_.refine(fixed_, pose, {Loss::squared, 1.0});
+    const auto least_squares = solver_.refine(fixed_, pose, {.loss = Loss::squared});
     if (!least_squares) return false;
     pose = least_squares->pose;
   }
@@ -212,13 +222,11 @@ void RobustPose::whiten(std::span<SetObservation> observations, const Rigid3& po
   const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
   for (SetObservation& o : observations) {
     const MapMarker& marker = map_.marker(o.map_index);
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    const CornerChain chain(solver_.model(camera), solver_.cam_from_rig(camera), pose,
-                            marker.world_from_marker);
-    const auto corners = marker_corners(marker.size_m);
+    const auto corners = linearize_corners(
+        o.observation, solver_.geometry(o.observation.camera, pose, marker.world_from_marker));
+    if (!corners) continue;
     for (std::size_t i = 0; i < 4; ++i) {
-      CornerJacobians jacobians;
-      if (!corner_residual(chain, corners[i], o.observation.corners_px[i], &jacobians)) continue;
+      const CornerJacobians& jacobians = (*corners)[i].jacobians;
       Eigen::Matrix2d covariance = o.stated[i] + model;
       covariance += jacobians.d_marker * marker.covariance * jacobians.d_marker.transpose();
       const double t = o.after_s[i];

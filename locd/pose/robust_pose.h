@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/range.h"
 #include "core/camera/rig.h"
 #include "core/estimate/rig_pose_solver.h"
 #include "locd/pose/map_index.h"
@@ -29,12 +30,14 @@ struct PoseSolution {
 
 /// Options of RobustPose.
 struct RobustPoseOptions {
-  /// Markers beyond are outliers: 36 is exceeded by 1 of 56,000 of χ² with 8 degrees of freedom.
-  double inlier_sigmas = 6.0;  ///< (4–20)
+  double inlier_sigmas = kInlierSigmas;  ///< markers beyond are outliers (4–20)
   /// Where Tukey's loss, the last before inliers are told, is flat. (6–40 sigmas)
   double tukey_sigmas = 12.0;
   int seed_observations = 8;       ///< largest ones that seed, where they explain the set (1–64)
   int all_seed_observations = 32;  ///< the same where they do not (1–512)
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// One robust optimization over all corners of all cameras with the map's markers fixed (core's
@@ -48,7 +51,7 @@ struct RobustPoseOptions {
 /// by the set itself, for cameras that don't agree about a moving rig are no outliers.
 class RobustPose {
  public:
-  /// Map and rig must outlive it.
+  /// Map and rig must outlive it. The options are valid (checked).
   RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options);
 
   /// nullopt when nothing explains what was seen. Marks inliers and writes residuals into

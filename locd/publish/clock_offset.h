@@ -8,7 +8,7 @@ namespace waymark {
 
 /// The machine's clocks at one instant.
 struct ClockReading {
-  Stamp monotonic{0};        ///< CLOCK_MONOTONIC: what stamps live on; stands still while suspended
+  Stamp monotonic{0};        ///< CLOCK_MONOTONIC, the clock of stamps; stands still while suspended
   Stamp boottime{0};         ///< CLOCK_BOOTTIME: the same, but runs while suspended
   Stamp wall{0};             ///< CLOCK_REALTIME, since the epoch
   bool vouched_for = false;  ///< a time service has set the wall clock and keeps it
@@ -21,8 +21,8 @@ struct ClockReading {
 enum class TimeStatus : std::int8_t {
   ok = 0,         ///< within 1 ms
   slewing = 1,    ///< catching up with a clock that itself is slewed
-  stepped = 2,    ///< the wall clock was set; utime comes after slowly
-  suspended = 3,  ///< the machine slept; utime comes after slowly
+  stepped = 2,    ///< the wall clock was set; utime approaches it slowly
+  suspended = 3,  ///< the machine slept; utime approaches it slowly
   unset = 4,      ///< the wall clock stood before 2020 at the start: utime is no date
 };
 
@@ -40,8 +40,8 @@ enum class ClockEvent {
 class ClockOffset {
  public:
   static constexpr double kMaxSlew_ppm = 500;
-  /// Farther from the wall clock than this, utime is said not to be it (1 ms: a vehicle at 2 m/s
-  /// moves 2 mm).
+  /// Farther from the wall clock than this, utime counts as another clock's (1 ms: a vehicle at
+  /// 2 m/s moves 2 mm).
   static constexpr Stamp kTolerance = std::chrono::milliseconds(1);
   /// A change of wall − monotonic between two readings beyond this, plus kMaxDrift_ppm of the time
   /// between, is a step: no disciplined clock moves so.

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "core/geometry/stamp.h"
 #include "locd/camera_mask.h"
+#include "locd/frames/frame_synchronizer.h"
 
 namespace waymark {
 
@@ -20,6 +22,8 @@ struct LocalizationCounts {
   bool at_work = false;      ///< a set was taken and is not done
   Stamp passed_over{0};      ///< when a set last went without a pose of its own
   CameraMask unhealthy = 0;  ///< cameras whose images can't be used
+  /// Per camera: frames that came into a set and not into its pose, by reason.
+  std::array<DropCounts, kMaxCameras> left_out{};
 };
 
 }  // namespace waymark

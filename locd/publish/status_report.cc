@@ -109,8 +109,9 @@ void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
     camera_status_t& camera = status.cameras[c];
     std::uint64_t unused = state.damaged + state.lost;
     for (std::size_t r = 0; r < kDropReasons; ++r) {
-      unused += state.dropped[r];
-      dropped[r] += state.dropped[r];
+      const std::uint64_t frames = state.dropped[r] + counts.left_out[c][r];
+      unused += frames;
+      dropped[r] += frames;
     }
     damaged += state.damaged;
     lost += state.lost;

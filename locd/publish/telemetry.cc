@@ -27,6 +27,7 @@ Telemetry::Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockRea
       pose_(make_pose_message(session_)),
       detections_(make_detections_message(session_)),
       last_pose_(now.monotonic) {
+  WAYMARK_CHECK(is_channel_prefix(lcm.channel_prefix));
   signed_pose_.pose.reserve(kMaxPoseBytes);
 }
 

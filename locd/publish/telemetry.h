@@ -24,7 +24,7 @@ class Telemetry {
   /// loop's turn.
   static constexpr Stamp kHeartbeat = std::chrono::milliseconds(390);
 
-  /// With a key poses are signed besides.
+  /// With a key poses are signed besides. The channels' prefix is_channel_prefix (checked).
   Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now,
             std::optional<MessageKey> key = std::nullopt);
 

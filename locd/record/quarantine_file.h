@@ -14,9 +14,9 @@
 
 namespace waymark {
 
-/// quarantine.json of the state folder, written in a thread of its own: a disk that stalls holds up
-/// nobody else, and one that fails is tried again until it takes what is to be written. A file that
-/// can't be used is set aside, never overwritten.
+/// quarantine.json of the state folder. It is written in a thread of its own, so that a slow disk
+/// delays no other thread; a write that fails is repeated until it succeeds. A file that can't be
+/// used is set aside, never overwritten.
 class QuarantineFile {
  public:
   explicit QuarantineFile(std::filesystem::path path) : path_(std::move(path)) {}
@@ -25,7 +25,7 @@ class QuarantineFile {
   QuarantineFile(const QuarantineFile&) = delete;
   QuarantineFile& operator=(const QuarantineFile&) = delete;
 
-  /// What is distrusted of that map, by the file or by what is yet to be written to it. A file that
+  /// The quarantined markers of that map, those not written to the file yet included. A file that
   /// is damaged, unreadable or of a newer locd is renamed to quarantine.json.damaged.
   [[nodiscard]] std::vector<QuarantinedMarker> of_map(const std::string& map_hash);
 

@@ -23,6 +23,13 @@ Expected<RecordingFolder> open_folder(const std::filesystem::path& folder,
 
 }  // namespace
 
+Status RecorderOptions::check() const {
+  return RangeCheck()
+      .field("jpeg_quality", jpeg_quality, kJpegQuality)
+      .field("every_nth", every_nth, kEveryNth)
+      .status();
+}
+
 Recorder::~Recorder() {
   stop();
   if (thread_.joinable()) thread_.join();
@@ -30,6 +37,7 @@ Recorder::~Recorder() {
 
 void Recorder::start(const std::filesystem::path& folder, const RecordingFacts& facts,
                      const RecorderOptions& options) {
+  WAYMARK_CHECK(options.check().has_value());
   if (thread_.joinable()) thread_.join();  // it has ended, or is about to
   const std::lock_guard lock(mutex_);
   WAYMARK_CHECK(state_.phase == Phase::idle);
@@ -167,12 +175,12 @@ Status Recorder::record(RecordingFolder& folder) {
       good = folder.sync();
       sync_due = monotonic_now() + kSyncPeriod;
     }
-    leave_word(folder);
+    publish_state(folder);
   }
   return good;
 }
 
-void Recorder::leave_word(RecordingFolder& folder) {
+void Recorder::publish_state(RecordingFolder& folder) {
   const bool known = folder.knows_what_was_there();
   std::vector<std::string> notes = known ? folder.take_notes() : std::vector<std::string>{};
   const std::lock_guard lock(mutex_);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/priority_mutex.h"
+#include "core/base/range.h"
 #include "locd/frames/frame_synchronizer.h"
 #include "locd/record/recording_folder.h"
 
@@ -15,17 +16,21 @@ namespace waymark {
 /// How frame sets are recorded.
 struct RecorderOptions {
   bool jpeg = false;
-  int jpeg_quality = 95;  ///< 1…100
-  int every_nth = 1;
+  int jpeg_quality = 95;
+  int every_nth = 1;  ///< one of so many frame sets
   RecordingBudget budget;
   /// Pixels of each camera's image, so that memory is there before the first set comes.
   std::vector<std::size_t> pixels;
+
+  static constexpr Range kJpegQuality{1, 100};
+  static constexpr Range kEveryNth{1, 1'000'000};
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
-/// Turns frame sets back into captures, in a thread and with memory of its own: whatever touches
-/// the disk happens there, the folder's making and the last sync included. Whoever offers sets pays
-/// one copy of the pixels and never waits: when all memory is under way to the disk, the set is
-/// dropped and counted.
+/// Records frame sets as captures. All disk access is done in a thread of its own, from creating
+/// the folder to the last sync. offer() costs its caller one copy of the pixels and never waits:
+/// when no slot is free because all are still being written, the set is dropped and counted.
 class Recorder {
  public:
   /// Sets under way at most: what a disk that stalls for a tenth of a second holds up at 30 Hz.
@@ -41,7 +46,7 @@ class Recorder {
   enum class Phase { idle, starting, recording, stopping };
 
   /// Has a recording begin in `folder`, or, where that is empty, in a new one of the facts'
-  /// archive; state() tells when it did, or why not. Only when idle.
+  /// archive; state() tells when it did, or why not. Only when idle, with valid options (checked).
   void start(const std::filesystem::path& folder, const RecordingFacts& facts,
              const RecorderOptions& options);
   /// Has it end, with all that was taken on the disk; state() tells when.
@@ -95,7 +100,7 @@ class Recorder {
   /// False: there is no room for it yet.
   [[nodiscard]] Expected<bool> write(RecordingFolder& folder, const Slot& slot);
   void adopt_news(RecordingFolder& folder);
-  void leave_word(RecordingFolder& folder);
+  void publish_state(RecordingFolder& folder);
   [[nodiscard]] std::optional<std::size_t> take_free_slot();
   static void copy(const FrameSetLease& set, Slot& slot);
 

@@ -3,9 +3,12 @@
 #include <algorithm>
 
 #include "core/base/toml_fields.h"
+#include "drivers/camera_options.h"
 #include "locd/frames/frame_synchronizer.h"
+#include "locd/frames/stamp_guard.h"
 #include "locd/pose/localizer.h"
 #include "locd/publish/lcm_url.h"
+#include "locd/record/recorder.h"
 
 namespace waymark {
 namespace {
@@ -106,13 +109,14 @@ class ConfigReader {
       camera.device = f.text("device");
       if (camera.driver == CameraDriver::replay) camera.device = (folder_ / camera.device).string();
       camera.format = f.text("format", "");
-      camera.fps = f.number("fps", 0, 1000, 0.0);
-      camera.exposure_us = optional_number(f, "exposure_us", 1, 1e6);
-      camera.gain = optional_number(f, "gain", 0, 1e6);
-      camera.readout_us = optional_number(f, "readout_us", 0, 1e6);
-      camera.stamp_delay_us = f.number("stamp_delay_us", -1e6, 1e6, 0.0);
-      camera.white_balance_k = optional_number(f, "white_balance_k", 1000, 20'000);
-      camera.focus = optional_number(f, "focus", 0, 1e6);
+      camera.fps = number(f, "fps", CaptureRequest::kFps, 0.0);
+      camera.exposure_us = optional_number(f, "exposure_us", CameraControls::kExposure_us);
+      camera.gain = optional_number(f, "gain", CameraControls::kGain);
+      camera.readout_us = optional_number(f, "readout_us", RigCamera::kReadout_us);
+      camera.stamp_delay_us = number(f, "stamp_delay_us", StampGuardOptions::kDelay_us, 0.0);
+      camera.white_balance_k =
+          optional_number(f, "white_balance_k", CameraControls::kWhiteBalance_k);
+      camera.focus = optional_number(f, "focus", CameraControls::kFocus);
       read_power_line(f, camera);
       const auto same_name = [&](const auto& other) { return other.name == camera.name; };
       if (std::any_of(config_.cameras.begin(), config_.cameras.end(), same_name)) {
@@ -130,17 +134,17 @@ class ConfigReader {
   }
 
   static void read_power_line(TomlFields& fields, Config::Camera& camera) {
-    const auto hz = optional_number(fields, "power_line_hz", 0, 60);
+    const auto hz = optional_number(fields, "power_line_hz", {0, 60});
     if (!hz) return;
-    if (*hz != 0 && *hz != 50 && *hz != 60) {
+    if (!CameraControls::is_power_line_hz(*hz)) {
       fields.reject("power_line_hz", "power_line_hz must be 0 (off), 50 or 60");
     }
     camera.power_line_hz = static_cast<int>(*hz);
   }
 
-  static std::optional<double> optional_number(TomlFields& fields, std::string_view key, double low,
-                                               double high) {
-    if (fields.has(key)) return fields.number(key, low, high);
+  static std::optional<double> optional_number(TomlFields& fields, std::string_view key,
+                                               const Range& range) {
+    if (fields.has(key)) return fields.number(key, range.low, range.high);
     fields.allow(key);
     return std::nullopt;
   }
@@ -150,15 +154,17 @@ class ConfigReader {
     return fields.number(key, range.low, range.high, fallback);
   }
 
+  static int integer(TomlFields& fields, std::string_view key, const Range& range, int fallback) {
+    return fields.integer(key, static_cast<int>(range.low), static_cast<int>(range.high), fallback);
+  }
+
   void read_sync(const toml::table* table) {
     in_block(table, [&](TomlFields& f) {
       Config::Sync& sync = config_.sync;
       sync.triggered = f.choice("mode", {"triggered", "free"}, 0) == 0;
       sync.tolerance_us = number(f, "tolerance_us", SyncOptions::kTolerance_us, sync.tolerance_us);
       sync.deadline_ms = number(f, "deadline_ms", SyncOptions::kDeadline_ms, sync.deadline_ms);
-      constexpr Range kMinCameras = SyncOptions::kMinCameras;
-      sync.min_cameras = f.integer("min_cameras", static_cast<int>(kMinCameras.low),
-                                   static_cast<int>(kMinCameras.high), sync.min_cameras);
+      sync.min_cameras = integer(f, "min_cameras", SyncOptions::kMinCameras, sync.min_cameras);
     });
   }
 
@@ -187,13 +193,10 @@ class ConfigReader {
       if (const auto url = parse_lcm_url(lcm.url); !url) {
         f.reject("url", "url: " + url.error().message);
       }
-      // LCM's channel names end at 63 characters; the longest suffix is "_DETECTIONS".
-      const std::string& prefix = lcm.channel_prefix;
-      const bool printable =
-          std::all_of(prefix.begin(), prefix.end(), [](char c) { return c > ' ' && c <= '~'; });
-      if (prefix.empty() || prefix.size() > 50 || !printable) {
+      if (!is_channel_prefix(lcm.channel_prefix)) {
         f.reject("channel_prefix",
-                 "channel_prefix must have 1 to 50 characters, of ASCII without blanks");
+                 fmt::format("channel_prefix must have 1 to {} characters, of ASCII without blanks",
+                             kLongestChannelPrefix));
       }
     });
   }
@@ -203,23 +206,25 @@ class ConfigReader {
       Config::Record& record = config_.record;
       record.dir = file(f, "dir", {});
       record.jpeg = f.choice("codec", {"pgm", "jpeg"}, 0) == 1;
-      record.every_nth = f.integer("every_nth", 1, 1'000'000, record.every_nth);
-      record.max_bytes = bytes(f, "max_bytes", 1e6, record.max_bytes);
-      record.keep_s = f.number("keep_s", 1, 1e9, record.keep_s);
-      record.min_free_bytes = bytes(f, "min_free_bytes", 0, record.min_free_bytes);
+      record.every_nth = integer(f, "every_nth", RecorderOptions::kEveryNth, record.every_nth);
+      record.max_bytes = bytes(f, "max_bytes", Config::Record::kMaxBytes, record.max_bytes);
+      record.keep_s = number(f, "keep_s", Config::Record::kKeep_s, record.keep_s);
+      record.min_free_bytes =
+          bytes(f, "min_free_bytes", Config::Record::kMinFreeBytes, record.min_free_bytes);
       record.markers = file(f, "markers", {});
     });
   }
 
-  static std::uint64_t bytes(TomlFields& fields, std::string_view key, double low,
+  static std::uint64_t bytes(TomlFields& fields, std::string_view key, const Range& range,
                              std::uint64_t fallback) {
-    return static_cast<std::uint64_t>(fields.number(key, low, 1e15, static_cast<double>(fallback)));
+    return static_cast<std::uint64_t>(number(fields, key, range, static_cast<double>(fallback)));
   }
 
   void read_service(const toml::table* table) {
     in_block(table, [&](TomlFields& f) {
       Config::Service& service = config_.service;
-      service.startup_wait_s = f.number("startup_wait_s", 0, 3600, service.startup_wait_s);
+      service.startup_wait_s =
+          number(f, "startup_wait_s", Config::Service::kStartupWait_s, service.startup_wait_s);
       service.realtime = f.boolean("realtime", service.realtime);
       service.lock_memory = f.boolean("lock_memory", service.lock_memory);
     });

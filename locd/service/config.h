@@ -74,6 +74,10 @@ struct Config {
     double keep_s = 7 * 86400.0;                   ///< s, older sets are deleted
     std::uint64_t min_free_bytes = 1'000'000'000;  ///< left free on the file system
     std::filesystem::path markers;  ///< markers.toml for recordings; empty: made from the map
+
+    static constexpr Range kMaxBytes{1e6, 1e15};
+    static constexpr Range kKeep_s{1, 1e9};
+    static constexpr Range kMinFreeBytes{0, 1e15};
     bool operator==(const Record&) const = default;
   } record;
 
@@ -81,6 +85,8 @@ struct Config {
     double startup_wait_s = 10;  ///< s, READY without a camera that does not stream by then
     bool realtime = false;       ///< capture and solve threads on SCHED_FIFO
     bool lock_memory = false;    ///< mlockall
+
+    static constexpr Range kStartupWait_s{0, 3600};
     bool operator==(const Service&) const = default;
   } service;
 };

@@ -35,8 +35,9 @@ class ControlSocket {
   /// Becomes readable when somebody connects.
   [[nodiscard]] int descriptor() const { return listener_.get(); }
 
-  /// Has whatever has come handled, and sends the answers that there are. A client's next request
-  /// is handled after the answer to the one before; who says nothing more is still answered.
+  /// Handles the requests that have come and sends the answers that are ready. A client's next
+  /// request is handled after the answer to the one before; a client that has closed its sending
+  /// side still gets its answer.
   void serve(const Handler& handler, Stamp now);
 
  private:
@@ -48,14 +49,14 @@ class ControlSocket {
   ControlSocket(Descriptor listener, std::filesystem::path path);
   void accept_clients();
   void turn_client_away();
-  /// False when the client says nothing more.
+  /// False when the client sends no more requests.
   static bool receive(Client& client);
   /// False when the client is done.
   static bool serve(Client& client, const Handler& handler, Stamp now);
 
   Descriptor listener_;
-  /// To turn clients away with when no other descriptor is left: one who waits unheard would make
-  /// the listener readable for ever.
+  /// Closed to accept and close a client when no other descriptor is left: a client that is never
+  /// accepted would keep the listener readable.
   Descriptor spare_;
   std::filesystem::path path_;
   std::vector<Client> clients_;

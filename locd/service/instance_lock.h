@@ -8,8 +8,8 @@
 
 namespace waymark {
 
-/// Held while this process is the one locd of a folder. The kernel lets go of it however the
-/// process ends.
+/// A file lock, held while this process is the one locd of a folder. The kernel releases it
+/// however the process ends.
 class InstanceLock {
  public:
   /// Takes `file` (created where absent, with its folder). Errors: unavailable, naming the pid of

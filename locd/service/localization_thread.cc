@@ -119,6 +119,7 @@ void LocalizationThread::finish_turn(bool took_set, bool localized) {
   counts_.skipped = pacer_.skipped();
   if (localizer == nullptr) return;
   counts_.unhealthy = localizer->unhealthy_cameras();
+  count_left_out(*localizer);
   LocalizationNews& news = in_use_.news;
   for (const Alert& alert : localizer->alerts()) {
     if (news.alerts.size() < kMaxAlerts) {
@@ -130,6 +131,15 @@ void LocalizationThread::finish_turn(bool took_set, bool localized) {
   if (!quarantine_changed) return;
   news.quarantine.swap(in_use_.listed);
   news.quarantine_changed = true;
+}
+
+void LocalizationThread::count_left_out(const Localizer& localizer) {
+  for (const DropReason why : {DropReason::unhealthy, DropReason::unsearched}) {
+    const CameraMask cameras = localizer.left_out(why);
+    for (std::size_t c = 0; c < kMaxCameras; ++c) {
+      if ((cameras & camera_bit(c)) != 0) ++counts_.left_out[c][static_cast<std::size_t>(why)];
+    }
+  }
 }
 
 void LocalizationThread::swap_map(MapInUse next) {

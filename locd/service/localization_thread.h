@@ -17,14 +17,14 @@
 
 namespace waymark {
 
-/// A localizer with what is to be said of its map, swapped as one between two sets.
+/// A localizer with its map's identity, swapped as one between two sets.
 struct MapInUse {
   std::shared_ptr<const MapIdentity> identity = std::make_shared<const MapIdentity>();
   std::unique_ptr<Localizer> localizer;  ///< null: recording only
   Stamp time_budget{0};                  ///< a set older than this is dropped
 };
 
-/// What localization has to tell besides poses, all of it found with one map.
+/// The results of localization besides poses, all of them found with one map.
 struct LocalizationNews {
   std::shared_ptr<const MapIdentity> map;
   std::vector<Alert> alerts;
@@ -33,8 +33,8 @@ struct LocalizationNews {
   bool replaced = false;  ///< another map is in use: these are the last news of this one
 };
 
-/// The thread that turns frame sets into published poses. It waits for nothing but frames: what it
-/// has to tell besides poses is left for others to fetch.
+/// The thread that turns frame sets into published poses. It waits for nothing but frames: alerts,
+/// quarantine and counts are kept for take_news and counts, which other threads call.
 class LocalizationThread {
  public:
   /// Takes sets of `capture`; hands each to `after_set` when its pose is out (the recorder), with
@@ -47,7 +47,7 @@ class LocalizationThread {
 
   /// `realtime`: on SCHED_FIFO, where the system permits it.
   void start(bool realtime = false);
-  /// Ends after the set it is at.
+  /// Ends the thread after the set that it is localizing.
   void stop();
 
   /// `next` takes over with the next set. What it replaces is destroyed in a later call of
@@ -71,6 +71,7 @@ class LocalizationThread {
   void adopt_next_map();
   void begin_work();
   void finish_turn(bool took_set, bool localized);
+  void count_left_out(const Localizer& localizer);
 
   /// The map in use, its news, and the memory that a quarantine is listed in, all that it takes.
   struct InUse {

@@ -26,7 +26,7 @@ class LogLimiter {
   /// Subjects that are remembered.
   [[nodiscard]] std::size_t subjects() const { return subjects_.size(); }
 
-  /// The minute's summary, when it is due and there is something to say.
+  /// The minute's summary, when it is due and something was counted.
   [[nodiscard]] std::optional<std::string> summary(Stamp now);
 
  private:

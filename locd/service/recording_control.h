@@ -34,9 +34,9 @@ struct RecordingNews {
   bool wrong = false;
 };
 
-/// The recordings of this machine, from the request to the word that they have ended. Requests are
-/// start, stop and status, a line each on the control socket. Waits for nothing: an answer is there
-/// once the recorder has done it.
+/// Starts, stops and reports recordings on request (start, stop and status, a line each on the
+/// control socket). No call waits: the answer to a request is ready once the recorder has carried
+/// it out.
 class RecordingControl {
  public:
   /// A disk that takes longer is said not to answer: a recording does not begin, or is left to end

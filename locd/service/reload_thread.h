@@ -19,22 +19,22 @@ struct Replacement {
   std::vector<QuarantinedMarker> quarantine;  ///< of that map, known already
 };
 
-/// Prepares reloads in a thread of its own, for a disk may stall. One is prepared at a time, and
-/// the newest request wins: what a request meanwhile has outdated is dropped and prepared again.
+/// Prepares reloads in a thread of its own, for a disk may stall. One is prepared at a time. When
+/// another request comes meanwhile, the result is discarded and prepared again.
 class ReloadThread {
  public:
   using Prepare = std::function<Expected<Replacement>()>;
 
   explicit ReloadThread(Prepare prepare) : prepare_(std::move(prepare)) {}
-  /// Waits for what is under way.
+  /// Waits until nothing is being prepared.
   ~ReloadThread();
   ReloadThread(const ReloadThread&) = delete;
   ReloadThread& operator=(const ReloadThread&) = delete;
 
   void request();
-  /// What the newest request has come to; once, and while nothing is under way.
+  /// The result of the newest request, once; nullopt while one is being prepared.
   [[nodiscard]] std::optional<Expected<Replacement>> take();
-  /// Waits until nothing is under way; false when something still is at `deadline`.
+  /// The same; false when something still is being prepared at `deadline`.
   [[nodiscard]] bool settle(Stamp deadline) const;
 
  private:

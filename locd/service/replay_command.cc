@@ -126,7 +126,7 @@ void play_all(const std::shared_ptr<ReplayCapture>& capture, const std::atomic<b
               const TakeSet& take_set) {
   auto sources = ReplayCapture::sources(capture);
   SyncOptions options = sync_options(capture->folder());
-  options.deadline = options.tolerance + Stamp(1);
+  options.deadline = std::max<Stamp>(options.tolerance + Stamp(1), std::chrono::milliseconds(1));
   options.leave_after_sets = 0;
   FrameSynchronizer synchronizer(sources.size(), options);
   std::vector<std::optional<Frame>> next(sources.size());

@@ -21,8 +21,8 @@ class ServiceNotifier {
   void stopping();
   /// Not ready yet, but on the way: to be called often until ready.
   void extend_start(Stamp now);
-  /// Still alive: to be called often, and only while everything turns. systemd is told four times
-  /// in the period that it grants.
+  /// To be called often, and only while every thread makes progress. A message goes to systemd
+  /// four times per watchdog period.
   void feed_watchdog(Stamp now);
 
  private:

@@ -7,12 +7,12 @@ namespace waymark {
 
 /// Options of a build: those of the mapper and those of the calibration. Defaults are what
 /// `mapbuilder build` uses.
-struct BuildOptions : MapperOptions, CalibrationOptions {};
-
-/// Error: usage, naming the field and its range.
-[[nodiscard]] inline Status check(const BuildOptions& options) {
-  if (auto fine = check(static_cast<const MapperOptions&>(options)); !fine) return fine;
-  return check(static_cast<const CalibrationOptions&>(options));
-}
+struct BuildOptions : MapperOptions, CalibrationOptions {
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const {
+    if (auto fine = MapperOptions::check(); !fine) return fine;
+    return CalibrationOptions::check();
+  }
+};
 
 }  // namespace waymark

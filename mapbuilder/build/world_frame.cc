@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/check.h"
+#include "core/base/range.h"
 #include "core/geometry/alignment.h"
 #include "core/geometry/decompositions.h"
 #include "mapbuilder/build/up_direction.h"
@@ -61,6 +63,13 @@ double misfit(const std::vector<CommonMarker>& common, const Rigid3& old_from_ne
 
 }  // namespace
 
+Status MovedLimits::check() const {
+  return RangeCheck()
+      .field("distance_m", distance_m, {0.001, 1})
+      .field("turn_rad", turn_rad, {0.005, 0.5})
+      .status();
+}
+
 Eigen::Vector3d camera_up_in_world(const BuiltSubMap& submap, const Observations& observations,
                                    const Calibration& calibration) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -99,6 +108,7 @@ std::optional<Rigid3> level_world(const BuiltSubMap& submap, LevelBy by,
 std::optional<FrameComparison> compare_frames(const SubMap& map, const SubMap& old,
                                               const std::set<MarkerId>& suspects,
                                               const MovedLimits& limits) {
+  WAYMARK_CHECK(limits.check().has_value());
   std::vector<CommonMarker> common = common_markers(map, old);
   const auto trusted_end = std::stable_partition(
       common.begin(), common.end(),

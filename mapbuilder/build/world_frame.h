@@ -50,6 +50,9 @@ struct FrameComparison {
 struct MovedLimits {
   double distance_m = 0.01;  ///< (0.001–1) 10 mm: a marker that was pressed on again stays below
   double turn_rad = 0.035;   ///< (0.005–0.5) 2°
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Finds the old map's world for a new one by the markers that stayed: every common marker proposes

@@ -10,7 +10,7 @@ namespace waymark {
 
 BundleSolution adjust(const BundleProblem& problem, const BundleOptions& options,
                       Estimate estimate) {
-  WAYMARK_CHECK(check(options));
+  WAYMARK_CHECK(options.check() && problem.scope.check() && problem.loss.check());
   BundleSolution solution;
   const std::vector<ObservationIndex> counting = counting_observations(problem, estimate);
   solution.summary.observations = counting.size();

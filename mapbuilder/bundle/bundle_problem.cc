@@ -2,16 +2,24 @@
 
 #include <map>
 
+#include "core/base/parallel.h"
 #include "core/base/range.h"
 
 namespace waymark {
 
-Status check(const BundleOptions& options) {
+Status BundleScope::check() const {
   return RangeCheck()
-      .field("max_iterations", options.max_iterations, {1, 1000})
-      .field("function_tolerance", options.function_tolerance, {1e-16, 0.1})
-      .field("initial_damping", options.initial_damping, {1e-16, 1.0})
-      .field("threads", options.threads, {1, 1024})
+      .field("size_sigma", size_sigma, {1e-4, 0.1})
+      .field("edge_bias_sigma_px", edge_bias_sigma_px, {0.01, 2})
+      .status();
+}
+
+Status BundleOptions::check() const {
+  return RangeCheck()
+      .field("max_iterations", max_iterations, {1, 1000})
+      .field("function_tolerance", function_tolerance, {1e-16, 0.1})
+      .field("initial_damping", initial_damping, {1e-16, 1.0})
+      .field("threads", threads, {1, kThreads.high})
       .status();
 }
 

@@ -56,6 +56,8 @@ struct BundleScope {
   /// Where the directions are constant.
   IndexedVector<CameraIndex, RigCamera> stated_cameras;
 
+  /// usage, naming the first of the two sigmas that lies outside its range.
+  [[nodiscard]] Status check() const;
   [[nodiscard]] bool in_facility(MarkerIndex marker) const {
     return !world_of_marker.empty() && world_of_marker[marker] == kFacilityWorld;
   }
@@ -91,11 +93,11 @@ struct BundleOptions {
   /// large map hardly costs anything: only next to no damping lets the end of an adjustment
   /// converge in such a direction.
   double initial_damping = 1e-6;
-  int threads = 1;  ///< (≥ 1) never changes what the own solver finds
-};
+  int threads = 1;  ///< (1–1024) never changes what the own solver finds
 
-/// Error: usage, naming the field and its range.
-[[nodiscard]] Status check(const BundleOptions& options);
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
+};
 
 /// Why an adjustment ended.
 enum class BundleTermination {

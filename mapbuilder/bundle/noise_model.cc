@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/range.h"
 #include "mapbuilder/bundle/estimate.h"
 #include "mapbuilder/bundle/prepared_observations.h"
 
@@ -37,6 +38,13 @@ double paper_weight(const std::optional<IppeSolutions>& ippe, const NoiseModel& 
 }
 
 }  // namespace
+
+Status NoiseModel::check() const {
+  return RangeCheck()
+      .part("paper", paper.check())
+      .field("model_sigma_px", model_sigma_px, {kSmallestModelSigma, kLargestModelSigma})
+      .status();
+}
 
 std::array<Eigen::Matrix2d, 4> whitening_of(const Observation& o,
                                             const std::optional<IppeSolutions>& ippe,

@@ -26,7 +26,10 @@ enum class Weighting {
 struct NoiseModel {
   Weighting weighting = Weighting::covariance;
   ObservationWeightOptions paper;
-  double model_sigma_px = 1.0;  ///< (0.002–20)
+  double model_sigma_px = 1.0;  ///< (kSmallestModelSigma–kLargestModelSigma)
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Bounds of the estimate. Below 0.002 px nothing real is (rendered corners are 0.009 px sure);

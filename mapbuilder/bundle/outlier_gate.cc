@@ -1,10 +1,16 @@
 #include "mapbuilder/bundle/outlier_gate.h"
 
+#include "core/base/range.h"
+
 namespace waymark {
+
+Status OutlierGateOptions::check() const {
+  return RangeCheck().field("reject_sigmas", reject_sigmas, kRejectSigmas).status();
+}
 
 GatedEstimate gate_outliers(const PreparedObservations& prepared,
                             std::span<const ObservationIndex> observations,
-                            const GateOptions& options, Estimate estimate) {
+                            const OutlierGateOptions& options, Estimate estimate) {
   GatedEstimate gated{std::move(estimate), 0};
   if (!options.enabled) return gated;
   constexpr double kReadmission = 0.9;

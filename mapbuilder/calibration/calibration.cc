@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/base/check.h"
 #include "mapbuilder/bundle/survey_factors.h"
 #include "mapbuilder/calibration/refinement_support.h"
 #include "mapbuilder/calibration/rig_examination.h"
@@ -131,6 +132,7 @@ class Calibrator {
 
 CalibratedEstimate calibrate(const IncrementalMapper& mapper, const CalibrationOptions& options,
                              Estimate estimate, Progress& progress) {
+  WAYMARK_CHECK(options.check().has_value());
   const Calibrator calibrator(mapper, options, progress);
   CalibratedEstimate result{{}, calibrator.plain_system(), {}};
   CalibrationResult& calibration = result.calibration;

@@ -4,15 +4,18 @@
 
 namespace waymark {
 
-Status check(const CalibrationOptions& options) {
-  const RefinementLimits& limits = options.refinement_limits;
+Status RefinementLimits::check() const {
   return RangeCheck()
-      .field("refinement_limits.position_m", limits.position_m, {1e-5, 1.0})
-      .field("refinement_limits.rotation_rad", limits.rotation_rad, {1e-5, 0.1})
-      .field("refinement_limits.focal", limits.focal, {1e-5, 0.1})
-      .field("refinement_limits.size", limits.size, {1e-5, 0.1})
-      .field("refinement_limits.most_unsure", limits.most_unsure, {2.0, 100.0})
+      .field("position_m", position_m, {1e-5, 1.0})
+      .field("rotation_rad", rotation_rad, {1e-5, 0.1})
+      .field("focal", focal, {1e-5, 0.1})
+      .field("size", size, {1e-5, 0.1})
+      .field("most_unsure", most_unsure, {2.0, 100.0})
       .status();
+}
+
+Status CalibrationOptions::check() const {
+  return RangeCheck().part("refinement_limits", refinement_limits.check()).status();
 }
 
 }  // namespace waymark

@@ -14,6 +14,9 @@ struct RefinementLimits {
   /// (2–100) Directions may exceed the limits by this factor and stay as stated; beyond, where the
   /// equations are no longer linear within a sigma, the refinement is refused as a whole.
   double most_unsure = 10.0;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// What may correct rig, lens and sizes.
@@ -21,9 +24,9 @@ struct CalibrationOptions {
   Survey survey;               ///< measured on site; may be empty
   VariableCalibration refine;  ///< extrinsics, intrinsics, sizes: what the user asks for
   RefinementLimits refinement_limits;
-};
 
-/// Error: usage, naming the field and its range.
-[[nodiscard]] Status check(const CalibrationOptions& options);
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
+};
 
 }  // namespace waymark

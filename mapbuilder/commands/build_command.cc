@@ -81,12 +81,11 @@ std::vector<ReportSurveyEntry> survey_of(const BuildResult& result) {
 /// The family that a bare number in a survey means: the only one that markers.toml states, be it
 /// seen or not; nullopt where several meet.
 std::optional<Family> only_stated_family(const std::vector<DetectedCapture>& captures) {
-  std::set<Family> families;
+  MeetingFamilies families;
   for (const DetectedCapture& capture : captures) {
-    for (const auto& entry : capture.catalog.entries()) families.insert(entry.family);
+    for (const auto& entry : capture.catalog.entries()) families.add(entry.family);
   }
-  if (families.size() != 1) return std::nullopt;
-  return *families.begin();
+  return families.only();
 }
 
 /// Where the first refined rig goes: as asked for, else MAP's name with .yaml; nullopt when none is
@@ -278,6 +277,16 @@ std::vector<Finding> level_submaps(LevelBy by, const Observations& observations,
   return findings;
 }
 
+/// Nothing that can't be a map goes on to the report or the file.
+Status check_built(const BuildCommandOptions& options, const BuildResult& result) {
+  const Status sound = check_map(result.map);
+  if (sound) return {};
+  return fail(ErrorKind::bad_data,
+              "{}: what was built can't be a map: {}; check the markers' sizes, the rig, the "
+              "detections and the world that it is put into; nothing written",
+              options.input.paths.front().string(), sound.error().message);
+}
+
 /// All that a build found, but for its input.
 std::vector<Finding> findings_of(const BuildCommandOptions& options, const BuildOptions& build,
                                  const References& references, const Observations& observations,
@@ -335,7 +344,7 @@ fs::path rejected_path(const fs::path& map) {
 Status run_build(const BuildCommandOptions& options, Progress& progress, std::ostream& out,
                  std::ostream& notes) {
   if (auto allowed = check_outputs(options); !allowed) return allowed;
-  if (auto fine = check(options.build); !fine) return fine;
+  if (auto fine = options.build.check(); !fine) return fine;
   auto taken = take_captures_in(options.input, progress, notes);
   if (!taken) return tl::make_unexpected(taken.error());
   const auto references = read_references(options, only_stated_family(taken->captures));
@@ -375,18 +384,17 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                 options.input.paths.front().string(), observations.frame_sets.size(),
                 observations.usable);
   }
-  if (auto sound = check_map(result.map); !sound) {
+  if (auto sound = check_built(options, result); !sound) {
     print_findings(findings, notes);
-    return fail(ErrorKind::bad_data,
-                "{}: what was built can't be a map: {}; check the markers' sizes, the rig and the "
-                "detections; nothing written",
-                options.input.paths.front().string(), sound.error().message);
+    return sound;
   }
   append(not_explained(findings_of(options, build, *references, observations, diagnosed),
                        explained->causes),
          findings);
   findings = judged(std::move(findings), options.rules);
   print_findings(findings, notes);
+  // An earlier map's world, or a level one, may have moved it out of bounds.
+  if (auto sound = check_built(options, result); !sound) return sound;
 
   std::optional<ReportFolder> report;
   if (options.report) {

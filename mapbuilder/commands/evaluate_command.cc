@@ -11,12 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The family that bare numbers in the truth mean.
-std::optional<Family> only_family(const MarkerMap& map) {
-  if (map.several_families()) return std::nullopt;
-  return map.submaps.front().markers.front().id.family;
-}
-
 /// The rig of the capture that the truth belongs to, where a trajectory is a camera's.
 Expected<std::optional<Rig>> rig_for(const std::vector<Trajectory>& trajectories,
                                      const fs::path& truth) {
@@ -79,7 +73,7 @@ Status check_overlap(const EvaluateOptions& options, const std::vector<SubMapEva
 Status run_evaluate(const EvaluateOptions& options, std::ostream& out) {
   const auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
-  const auto truth = read_ground_truth(options.truth, only_family(*map));
+  const auto truth = read_ground_truth(options.truth, map->families().only());
   if (!truth) return tl::make_unexpected(truth.error());
   if (options.trajectory && !truth->world_from_rig) {
     return fail(ErrorKind::no_input, "{}: absent; without it a trajectory can't be evaluated",

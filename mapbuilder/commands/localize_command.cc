@@ -94,7 +94,7 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
                     std::ostream& notes) {
   if (auto writable = check_writable(options.trajectory); !writable) return writable;
   if (auto spares = check_spares(options.trajectory, {options.map}); !spares) return spares;
-  if (auto fine = check(options.build); !fine) return fine;
+  if (auto fine = options.build.check(); !fine) return fine;
   auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
   if (options.quarantine) {

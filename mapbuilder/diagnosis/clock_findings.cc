@@ -79,7 +79,7 @@ double period_of(const std::vector<Stamp>& stamps) {
   for (std::size_t i = 1; i < stamps.size(); ++i) {
     steps.push_back(seconds(stamps[i] - stamps[i - 1]));
   }
-  return median(steps);
+  return upper_median(steps);
 }
 
 /// How fast the offsets grow (s/s): the median over pairs at least a third of the series apart
@@ -97,7 +97,7 @@ std::optional<double> drift_of(const std::vector<Stamp>& stamps,
     }
   }
   if (slopes.empty()) return std::nullopt;
-  return median(slopes);
+  return upper_median(slopes);
 }
 
 /// The line that the offsets follow; nullopt: none.
@@ -110,7 +110,7 @@ std::optional<OffsetLine> line_of(const std::vector<Stamp>& stamps,
   for (std::size_t i = 0; i < stamps.size(); ++i) {
     firsts.push_back(offsets[i] - line.drift * seconds(stamps[i] - stamps.front()));
   }
-  line.first_s = median(firsts);
+  line.first_s = upper_median(firsts);
   const double grown_s = std::abs(line.drift) * seconds(stamps.back() - stamps.front());
   const double near_s = std::max(tolerance_s, kStairs * grown_s);
   const auto follow = std::count_if(firsts.begin(), firsts.end(), [&](double first) {

@@ -4,20 +4,17 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/median.h"
+
 namespace waymark {
 namespace {
 
-/// Medians of χ² with two and eight freedoms.
-constexpr double kMedianChi2_2 = 1.386;
-constexpr double kMedianChi2_8 = 7.344;
 /// Observations that the yardstick is taken of; of more, every n-th.
 constexpr std::size_t kMaxJudged = 1000;
 
 double sigma_of(std::vector<double> squared, double median_chi2) {
   if (squared.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
-  std::nth_element(squared.begin(), middle, squared.end());
-  return std::sqrt(*middle / median_chi2);
+  return std::sqrt(upper_median(squared) / median_chi2);
 }
 
 double sum_of_squares(const std::array<Eigen::Vector2d, 4>& residuals) {
@@ -68,7 +65,7 @@ FitQuality fit_quality(const Selection& selection, const BuildResult& result) {
     }
   }
   joint.resize(std::max(joint.size(), used.size()), std::numeric_limits<double>::infinity());
-  return {sigma_of(std::move(own), kMedianChi2_2), sigma_of(std::move(joint), kMedianChi2_8)};
+  return {sigma_of(std::move(own), kMedianOfChi2_2), sigma_of(std::move(joint), kMedianOfChi2_8)};
 }
 
 }  // namespace waymark

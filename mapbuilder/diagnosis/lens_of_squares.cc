@@ -22,8 +22,6 @@ constexpr std::size_t kFewest = 20;
 constexpr std::size_t kMost = 300;
 /// Squares that tell a start from another.
 constexpr std::size_t kCoarse = 80;
-/// Median of χ² with two freedoms: eight numbers less a pose.
-constexpr double kMedianChi2_2 = 1.386;
 /// Any size: poses of squares scale with it.
 constexpr double kSize_m = 1.0;
 
@@ -81,7 +79,7 @@ std::optional<Rigid3> own_pose(const CameraModel& camera, const ImageCorners& sq
 
 double px_of(std::vector<double> squared) {
   if (squared.empty()) return std::numeric_limits<double>::infinity();
-  return std::sqrt(median(squared) / kMedianChi2_2);
+  return std::sqrt(upper_median(squared) / kMedianOfChi2_2);
 }
 
 /// Misfit of IPPE's poses, good enough to tell starts apart; a square that has no pose counts as
@@ -92,7 +90,7 @@ double roughly_px(const CameraModel& camera, std::span<const ImageCorners> squar
     const auto solutions = solve_ippe(camera, square, kSize_m);
     rms_px.push_back(solutions ? solutions->rms_px[0] : std::numeric_limits<double>::infinity());
   }
-  return median(rms_px);
+  return upper_median(rms_px);
 }
 
 /// What is stated and what may be meant: other focal lengths with the principal point as stated, in

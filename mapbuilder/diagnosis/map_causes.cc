@@ -118,7 +118,7 @@ class MapJudge {
     std::vector<double> ratios;
     for (const Shared& one : shared_) ratios.push_back(one.mapped->size_m / one.own->size_m);
     std::vector<double> in_order = ratios;
-    const double ratio = median(in_order);
+    const double ratio = upper_median(in_order);
     constexpr double kSameSize = 0.005;
     size_ratio_ = ratio;
     if (std::abs(ratio - 1) > kSameSize) {
@@ -192,7 +192,7 @@ class MapJudge {
       for (std::size_t j = 0; j < shared_.size(); ++j) {
         off.push_back(angle_between_rad(candidate, turn(agreement, j)));
       }
-      if (const double middle = median(off); middle < least) {
+      if (const double middle = upper_median(off); middle < least) {
         least = middle;
         common_turn_ = candidate;
       }

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/check.h"
 #include "core/base/parallel.h"
+#include "core/base/range.h"
 
 namespace waymark {
 namespace {
@@ -256,7 +258,18 @@ class MarkerJudge {
 
 }  // namespace
 
+Status DiagnosisOptions::check() const {
+  return RangeCheck()
+      .part("size", size.check())
+      .part("places", places.check())
+      .part("history", history.check())
+      .part("wrong_ids", wrong_ids.check())
+      .part("presence", presence.check())
+      .status();
+}
+
 MarkerDiagnosis diagnose_markers(const MapEvidence& evidence, const DiagnosisOptions& options) {
+  WAYMARK_CHECK(options.check().has_value());
   return MarkerJudge(evidence, options).diagnose();
 }
 

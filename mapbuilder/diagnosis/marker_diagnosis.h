@@ -20,6 +20,9 @@ struct DiagnosisOptions {
   WrongIdOptions wrong_ids;
   PresenceOptions presence;
   MovementOptions movement;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// An id that was seen at more than one place.

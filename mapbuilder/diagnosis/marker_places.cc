@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/range.h"
 #include "mapbuilder/diagnosis/view_placement.h"
 
 namespace waymark {
@@ -118,6 +119,15 @@ std::optional<PlaceCluster> best_place(const MapEvidence& evidence,
 }
 
 }  // namespace
+
+Status PlaceOptions::check() const {
+  return RangeCheck()
+      .field("least_views", least_views, {3, 50})
+      .field("least_parallax_rad", least_parallax_rad, {0.008, 0.5})
+      .field("least_separation", least_separation, {0.05, 2})
+      .field("least_turn_rad", least_turn_rad, {0.1, 1.5})
+      .status();
+}
 
 std::vector<PlaceCluster> find_places(const MapEvidence& evidence, std::vector<MarkerView> views,
                                       const PlaceOptions& options) {

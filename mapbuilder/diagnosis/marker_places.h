@@ -18,11 +18,14 @@ struct PlaceCluster {
 struct PlaceOptions {
   /// (3–50) Frame sets that must agree: two can by accident, when a wrong id is read twice.
   int least_views = 3;
-  /// (0.5–30°) Directions they must be seen from: views from one spot agree on anything.
+  /// (0.008–0.5) Directions they must be seen from: views from one spot agree on anything.
   double least_parallax_rad = 0.015;
   /// (0.05–2, of the marker's side) Nearer places are one, unless the marker is turned by
   double least_separation = 0.25;
   double least_turn_rad = 0.35;  ///< (0.1–1.5) this: more than a flip of weak views
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// All places that views of one id agree on, most views first; each view is in at most one. Found

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "core/base/median.h"
 #include "core/geometry/alignment.h"
 #include "core/geometry/symmetric_factor.h"
 #include "core/marker/marker_geometry.h"
@@ -18,8 +19,6 @@ constexpr double kBound = 36.0;
 constexpr double kAgrees = 5.0;
 /// 2 Δ ln L that a fault must gain on none.
 constexpr double kMinLead = 10.0;
-/// Median of χ² with three freedoms.
-constexpr double kMedianChi2 = 2.366;
 /// Of the places' extent: what scatters by more agrees on nothing, whatever its sigmas.
 constexpr double kMostScatter = 0.03;
 /// Of a marker's size: no spot of it lies farther from another.
@@ -52,7 +51,7 @@ class Agreer {
     if (all.empty()) return std::nullopt;
     noise_scale_ = std::numeric_limits<double>::infinity();
     for (const PlaceAgreement& one : all) {
-      noise_scale_ = std::min(noise_scale_, std::sqrt(majority_quantile(one) / kMedianChi2));
+      noise_scale_ = std::min(noise_scale_, std::sqrt(majority_quantile(one) / kMedianOfChi2_3));
     }
     noise_scale_ = std::max(1.0, noise_scale_);
     double cost_of_none = kBound * static_cast<double>(places_.size());

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/range.h"
 #include "mapbuilder/diagnosis/clear_sight.h"
 
 namespace waymark {
@@ -144,6 +145,14 @@ bool in_time_of_other(const ObservedFrameSet& set, const Sightings& own, const S
 }
 
 }  // namespace
+
+Status HistoryOptions::check() const {
+  return RangeCheck()
+      .field("least_print_distance", least_print_distance, {0.7, 1})
+      .field("least_found", least_found, {0.02, 0.5})
+      .field("most_by_chance", most_by_chance, {1e-6, 0.05})
+      .status();
+}
 
 PlaceHistory history_of(const MapEvidence& evidence, const PlaceCluster& first,
                         const PlaceCluster& second, const HistoryOptions& options) {

@@ -34,6 +34,9 @@ struct HistoryOptions {
   /// (1e-6–0.05) A place counts as empty when a marker there would have been missed by all who
   /// looked with less than this probability, by how seldom it is missed where it is.
   double most_by_chance = 1e-2;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Tells from stamps, and from looks at the empty place, how an id comes to two places.

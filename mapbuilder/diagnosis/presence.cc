@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/base/parallel.h"
+#include "core/base/range.h"
 #include "mapbuilder/diagnosis/clear_sight.h"
 
 namespace waymark {
@@ -103,6 +104,10 @@ std::optional<PartTimeMarker> part_time(const MapEvidence& evidence, MarkerIndex
 }
 
 }  // namespace
+
+Status PresenceOptions::check() const {
+  return RangeCheck().field("most_by_chance", most_by_chance, {1e-9, 0.01}).status();
+}
 
 std::vector<PartTimeMarker> find_part_time_markers(const MapEvidence& evidence,
                                                    const PresenceOptions& options) {

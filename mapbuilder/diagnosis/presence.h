@@ -22,6 +22,9 @@ struct PresenceOptions {
   /// (1e-9–0.01) A marker that hung there would have been missed by all who looked with less than
   /// this probability, by how seldom it is missed where it is seen: one false name in many maps.
   double most_by_chance = 1e-4;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Mapped markers of the component that one capture sees and another one, which looks at their

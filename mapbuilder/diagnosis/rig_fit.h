@@ -7,13 +7,6 @@
 
 namespace waymark {
 
-/// How well a rig file is known that is right, one standard deviation per axis of rig_from_cam:
-/// twice what a calibration with a target leaves (1 mm, 0.05°). A hypothesis need not explain less.
-struct ExtrinsicSigmas {
-  double position_m = 0.002;       ///< (1e-5–0.1)
-  double rotation_rad = 0.001745;  ///< (1e-5–0.1) 0.1°
-};
-
 /// A row of judged instants [first, last).
 struct InstantRange {
   std::size_t first = 0;
@@ -41,7 +34,7 @@ class FreeCameras {
 /// evenly spread.
 class RigFit {
  public:
-  RigFit(const CameraTracks& tracks, const Extrinsics& stated, const ExtrinsicSigmas& sigmas);
+  RigFit(const CameraTracks& tracks, const Extrinsics& stated);
 
   /// Factor on the places' standard deviations: the noise that the best explanation leaves.
   void set_noise_scale(double scale) { noise_scale_ = scale; }

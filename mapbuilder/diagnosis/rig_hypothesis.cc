@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "core/base/median.h"
+
 namespace waymark {
 
 RigExplanation RigExplanation::or_else() const {
@@ -68,8 +70,6 @@ RigHypothesis RigCase::as_stated() const {
 }
 
 double RigCase::noise_left(const RigHypothesis& h) const {
-  // Median of χ² with six freedoms.
-  constexpr double kMedianChi2 = 5.348;
   std::vector<double> squared;
   for (const std::size_t i : fit_.judged()) {
     const CameraTracks::Instant& instant = h.tracks->instants[i];
@@ -84,9 +84,7 @@ double RigCase::noise_left(const RigHypothesis& h) const {
     }
   }
   if (squared.empty()) return std::numeric_limits<double>::infinity();
-  const auto middle = squared.begin() + static_cast<std::ptrdiff_t>(squared.size() / 2);
-  std::nth_element(squared.begin(), middle, squared.end());
-  return std::sqrt(*middle / kMedianChi2);
+  return std::sqrt(upper_median(squared) / kMedianOfChi2_6);
 }
 
 }  // namespace waymark

@@ -143,11 +143,10 @@ std::optional<RigExplanation> verdict(const std::vector<RigHypothesis>& all, dou
 
 }  // namespace
 
-std::optional<RigExplanation> explain_rig(const CameraTracks& tracks, const Rig& stated,
-                                          const ExtrinsicSigmas& sigmas) {
+std::optional<RigExplanation> explain_rig(const CameraTracks& tracks, const Rig& stated) {
   Extrinsics places;
   for (const RigCamera& camera : stated.cameras) places.push_back(camera.rig_from_cam);
-  RigFit fit(tracks, places, sigmas);
+  RigFit fit(tracks, places);
   if (fit.judged().size() < kMinInstants || places.size() < 2) return std::nullopt;
   // First with room for noise, then with that which the best explanation leaves.
   fit.set_noise_scale(4.0);

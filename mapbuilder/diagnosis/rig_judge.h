@@ -20,7 +20,6 @@ namespace waymark {
 /// frees, and gains what it explains of the lenses that the images fit; each may use what `stated`
 /// leaves open of the calibration.
 [[nodiscard]] std::optional<RigExplanation> explain_rig(const CameraTracks& tracks,
-                                                        const Rig& stated,
-                                                        const ExtrinsicSigmas& sigmas = {});
+                                                        const Rig& stated);
 
 }  // namespace waymark

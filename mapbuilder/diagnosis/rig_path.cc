@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/median.h"
+
 namespace waymark {
 namespace {
 
@@ -28,9 +30,7 @@ RigPath::RigPath(const CameraTracks& tracks, const Extrinsics& rig_from_cam, dou
     if (time_s_.size() > 1) steps.push_back(time_s_.back() - time_s_[time_s_.size() - 2]);
   }
   if (steps.empty()) return;
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                   steps.end());
-  period_s_ = steps[steps.size() / 2];
+  period_s_ = upper_median(steps);
   std::size_t smooth = 0;
   std::size_t judged = 0;
   for (std::size_t i = 1; i + 1 < time_s_.size(); ++i) {

@@ -6,7 +6,8 @@
 
 #include "core/base/median.h"
 #include "core/base/parallel.h"
-#include "core/estimate/corner_residual.h"
+#include "core/base/range.h"
+#include "core/estimate/levenberg_marquardt.h"
 #include "core/geometry/symmetric_factor.h"
 #include "core/marker/marker_geometry.h"
 #include "mapbuilder/diagnosis/view_placement.h"
@@ -17,53 +18,59 @@ namespace {
 using Vector7d = Eigen::Matrix<double, 7, 1>;
 using Matrix7d = Eigen::Matrix<double, 7, 7>;
 
+/// A marker's pose, and its size over the observations' stated one.
+struct SizedPose {
+  Rigid3 world_from_marker;
+  double factor = 1.0;
+};
+
 /// Of a view that can't be projected, as squared_residual has it.
 constexpr double kHopelessSigmas2 = 1e8;
 
-struct SizeEquations {
-  Matrix7d hessian = Matrix7d::Zero();
-  Vector7d gradient = Vector7d::Zero();
-  double cost = 0;
-  std::size_t views = 0;  ///< that say which way to go
-};
+using SizeEquations = NormalEquations<7>;
 
-SizeEquations linearize(std::span<const MarkerView> views, const Rigid3& world_from_marker,
-                        double factor, const ObservationLoss& loss) {
+SizeEquations linearize(std::span<const MarkerView> views, const SizedPose& at,
+                        const ObservationLoss& loss) {
   SizeEquations equations;
-  const Eigen::Matrix3d rotation = world_from_marker.rotation.toRotationMatrix();
+  const Eigen::Matrix3d rotation = at.world_from_marker.rotation.toRotationMatrix();
   for (const MarkerView& view : views) {
     const MarkerObservation& o = *view.observation;
-    const CornerChain chain(view.camera->model, Rigid3{}, view.world_from_cam, world_from_marker);
-    const auto corners = marker_corners(o.size_m * factor);
+    const double gross_px = gross_residual_px(view.camera->model);
+    const auto x_in_marker = marker_corners(o.size_m * at.factor);
+    const auto corners = linearize_corners(
+        o, {&view.camera->model, Rigid3{}, view.world_from_cam, at.world_from_marker}, at.factor);
+    // A wrong id is no reason to give up; it counts as misfit alone.
+    if (!corners || std::any_of(corners->begin(), corners->end(), [&](const auto& corner) {
+          return !(corner.residual_px.norm() <= gross_px);
+        })) {
+      equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kHopelessSigmas2);
+      continue;
+    }
     Matrix7d hessian = Matrix7d::Zero();
     Vector7d gradient = Vector7d::Zero();
     double s = 0;
-    bool tells = true;
-    for (std::size_t i = 0; i < 4 && tells; ++i) {
-      CornerJacobians jacobians;
-      const auto residual = corner_residual(chain, corners[i], o.corners_px[i], &jacobians);
-      tells = residual && residual->norm() <= gross_residual_px(view.camera->model);
-      if (!tells) continue;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const LinearizedCorner& corner = (*corners)[i];
+      const Jacobian26& by_marker = corner.jacobians.d_marker;
       Eigen::Matrix<double, 2, 7> j;
-      j << jacobians.d_marker, jacobians.d_marker.leftCols<3>() * (rotation * corners[i]);
+      j << by_marker, by_marker.leftCols<3>() * (rotation * x_in_marker[i]);
       j = (o.whitening[i] * j).eval();
-      const Eigen::Vector2d whitened = o.whitening[i] * *residual;
       hessian.noalias() += j.transpose() * j;
-      gradient.noalias() += j.transpose() * whitened;
-      s += whitened.squaredNorm();
-    }
-    // A wrong id is no reason to give up; it counts as misfit alone.
-    if (!tells) {
-      equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kHopelessSigmas2);
-      continue;
+      gradient.noalias() += j.transpose() * corner.residual;
+      s += corner.residual.squaredNorm();
     }
     const double weight = robust_weight(loss.loss, loss.scale_sigmas, s);
     equations.hessian += weight * hessian;
     equations.gradient += weight * gradient;
     equations.cost += robust_cost(loss.loss, loss.scale_sigmas, s);
-    ++equations.views;
+    equations.corners += 4;
   }
   return equations;
+}
+
+SizedPose moved(const SizedPose& from, const Vector7d& step) {
+  return {from.world_from_marker.plus(step.head<6>()),
+          from.factor * std::exp(std::clamp(step[6], -0.3, 0.3))};
 }
 
 /// At most so many views, evenly spread.
@@ -90,10 +97,10 @@ SizeScatter scatter_of(const std::vector<Deviation>& deviations) {
   std::vector<double> values;
   for (const Deviation& d : deviations) values.push_back(d.log_factor);
   SizeScatter scatter;
-  scatter.centre = median(values);
+  scatter.centre = upper_median(values);
   for (double& value : values) value = std::abs(value - scatter.centre);
   constexpr double kSigmaPerMedianDeviation = 1.4826;
-  scatter.spread = kSigmaPerMedianDeviation * median(values);
+  scatter.spread = kSigmaPerMedianDeviation * upper_median(values);
   return scatter;
 }
 
@@ -118,35 +125,24 @@ std::optional<SizeFit> fit_from_afar(std::span<const MarkerView> views,
 
 }  // namespace
 
+Status SizeOptions::check() const {
+  return RangeCheck()
+      .field("least_sigmas", least_sigmas, {3, 20})
+      .field("least_deviation", least_deviation, {0.005, 0.2})
+      .field("least_views", least_views, {3, 50})
+      .field("least_markers", least_markers, {3, 50})
+      .status();
+}
+
 std::optional<SizeFit> fit_size(std::span<const MarkerView> views, const Rigid3& world_from_marker,
                                 double factor, const ObservationLoss& loss) {
-  constexpr int kMostIterations = 40;
-  constexpr double kNegligibleDecrease = 1e-6;  // sigmas²
-  SizeFit fit{world_from_marker, factor, 0.0, 0.0};
-  SizeEquations here = linearize(views, world_from_marker, factor, loss);
-  if (here.views == 0) return std::nullopt;
-  double damping = 1e-3;
-  for (int i = 0; i < kMostIterations; ++i) {
-    Matrix7d damped = here.hessian;
-    damped.diagonal() *= 1.0 + damping;
-    damped.diagonal().array() += 1e-12;
-    const Vector7d step = -SymmetricFactor<7>(damped).solve(here.gradient);
-    if (!step.allFinite()) return std::nullopt;
-    const double promised = -step.dot(here.gradient);
-    const Rigid3 pose = fit.world_from_marker.plus(step.head<6>());
-    const double next_factor = fit.factor * std::exp(std::clamp(step[6], -0.3, 0.3));
-    const SizeEquations there = linearize(views, pose, next_factor, loss);
-    if (there.views > 0 && there.cost <= here.cost) {
-      fit.world_from_marker = pose;
-      fit.factor = next_factor;
-      here = there;
-      damping = std::max(1e-9, 0.2 * damping);
-    } else {
-      damping *= 8.0;
-    }
-    if (promised < kNegligibleDecrease || damping > 1e12) break;
-  }
-  fit.cost = here.cost;
+  const auto optimum = minimize<7>(
+      SizedPose{world_from_marker, factor},
+      {.max_iterations = 40, .initial_damping = 1e-3, .negligible_decrease = 1e-6},
+      [&](const SizedPose& at) { return linearize(views, at, loss); }, moved);
+  if (!optimum) return std::nullopt;
+  const SizeEquations& here = optimum->equations;
+  SizeFit fit{optimum->place.world_from_marker, optimum->place.factor, 0.0, here.cost};
   // Misfit beyond noise says that the cameras stand a little wrong; sigma grows by as much.
   const double freedoms = std::max(1.0, 8.0 * static_cast<double>(views.size()) - 7.0);
   const double variance = SymmetricFactor<7>(here.hessian).inverse()(6, 6);

@@ -46,6 +46,9 @@ struct SizeOptions {
   int least_views = 3;
   /// (3–50) Other markers that tell the spread; among fewer nobody knows who is wrong.
   int least_markers = 5;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Markers of wrong size, by falling certainty. Each marker's size is fitted with the cameras

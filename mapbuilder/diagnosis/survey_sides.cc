@@ -60,15 +60,14 @@ class SurveyJudge {
     }
     constexpr std::size_t kFew = 4;
     if (logs.size() < kFew) return;
-    const double middle = median(logs);
+    const double middle = upper_median(logs);
     std::vector<double> off;
     for (const ScaleWitness& one : witnesses_) {
       if (one.side == ScaleSide::distance) {
         off.push_back(std::abs(one.log_scale - middle) / one.sigma);
       }
     }
-    constexpr double kMedianOfNormal = 0.6745;
-    const double scatter = std::max(1.0, median(off) / kMedianOfNormal);
+    const double scatter = std::max(1.0, upper_median(off) / kMedianOfNormal);
     for (ScaleWitness& one : witnesses_) {
       if (one.side == ScaleSide::distance) one.sigma *= scatter;
     }

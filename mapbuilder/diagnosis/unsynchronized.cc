@@ -18,8 +18,7 @@ namespace {
 constexpr std::size_t kLeastInstants = 12;
 /// By which the misfit's median must fall for moments of their own.
 constexpr double kMustFall = 5.0;
-/// Median of χ² with five freedoms: six less the moment; what is left may be so many sigmas.
-constexpr double kMedianChi2 = 4.351;
+/// What is left may be so many sigmas.
 constexpr double kMostNoise = 3.0;
 /// Below, shutters are together (s).
 constexpr double kTogether_s = 0.0005;
@@ -60,10 +59,15 @@ class OneCamera {
       turns.push_back(angle_between_rad(moved.rotation, path_.at(i)->rotation) / kStep_s);
     }
     if (offsets.size() < kLeastInstants) return std::nullopt;
-    UnsynchronizedCamera found{camera_,        scatter_of(offsets), median(speeds), median(turns),
-                               median(before), median(after),       offsets.size()};
+    UnsynchronizedCamera found{camera_,
+                               scatter_of(offsets),
+                               upper_median(speeds),
+                               upper_median(turns),
+                               upper_median(before),
+                               upper_median(after),
+                               offsets.size()};
     const bool pays = found.misfit_before > kMustFall * found.misfit_after &&
-                      found.misfit_after < kMostNoise * kMostNoise * kMedianChi2;
+                      found.misfit_after < kMostNoise * kMostNoise * kMedianOfChi2_5;
     if (!pays || found.scatter_s < kTogether_s) return std::nullopt;
     return found;
   }
@@ -72,11 +76,10 @@ class OneCamera {
   static constexpr double kStep_s = 0.01;
 
   static double scatter_of(std::vector<double> offsets) {
-    const double middle = median(offsets);
+    const double middle = upper_median(offsets);
     std::vector<double> off;
     for (const double offset : offsets) off.push_back(std::abs(offset - middle));
-    constexpr double kMedianOfNormal = 0.6745;
-    return median(off) / kMedianOfNormal;
+    return upper_median(off) / kMedianOfNormal;
   }
 
   /// nullopt where camera or path tell nothing.

@@ -4,6 +4,8 @@
 #include <array>
 #include <limits>
 
+#include "core/base/range.h"
+
 namespace waymark {
 namespace {
 
@@ -35,6 +37,15 @@ bool among(const std::vector<MarkerView>& rare, const std::vector<MarkerView>& c
 }
 
 }  // namespace
+
+Status WrongIdOptions::check() const {
+  return RangeCheck()
+      .field("most_to_other", most_to_other, {0.05, 0.4})
+      .field("least_to_own", least_to_own, {0.3, 2})
+      .field("least_to_own_alone", least_to_own_alone, {0.5, 5})
+      .field("least_others_alone", least_others_alone, {2, 10})
+      .status();
+}
 
 double WrongIdJudge::nearest_px(const MarkerView& view) const {
   double nearest = std::numeric_limits<double>::infinity();

@@ -25,6 +25,9 @@ struct WrongIdOptions {
   double least_to_own_alone = 1.0;
   /// (2–10) and only by a rig that so many other markers place.
   int least_others_alone = 3;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// The places of every marker: none, one, or several of one id.

@@ -55,6 +55,8 @@ fs::path of_submap(const fs::path& path, std::size_t submap) {
   return path_of_camera(path_of_submap(whole, submap), "cam" + std::to_string(*camera));
 }
 
+Stamp apart(Stamp a, Stamp b) { return time_between(std::min(a, b), std::max(a, b)); }
+
 /// The true pose nearest in time, nullptr when none is near enough.
 const StampedPose* at_stamp(const std::vector<StampedPose>& truth, Stamp stamp) {
   const auto after =
@@ -63,9 +65,9 @@ const StampedPose* at_stamp(const std::vector<StampedPose>& truth, Stamp stamp) 
   const StampedPose* best = after == truth.end() ? nullptr : &*after;
   if (after != truth.begin()) {
     const StampedPose& before = *std::prev(after);
-    if (best == nullptr || stamp - before.stamp < best->stamp - stamp) best = &before;
+    if (best == nullptr || apart(before.stamp, stamp) < apart(stamp, best->stamp)) best = &before;
   }
-  if (best == nullptr || std::chrono::abs(best->stamp - stamp) > kMatchTolerance) return nullptr;
+  if (best == nullptr || apart(best->stamp, stamp) > kMatchTolerance) return nullptr;
   return best;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "core/base/check.h"
 #include "core/base/parallel.h"
 #include "mapbuilder/growth/adjustment_stages.h"
 #include "mapbuilder/growth/frame_set_localization.h"
@@ -35,6 +36,7 @@ std::size_t localized_count(const Component& component, const Estimate& estimate
 
 IncrementalMapper::IncrementalMapper(const Selection& selection, const MapperOptions& options)
     : selection_(selection), options_(effective(options)) {
+  WAYMARK_CHECK(options.check().has_value());
   for (const Component& component : selection.components()) {
     parts_.push_back({choose_seed(selection, component), selection.used_in(component.frame_sets)});
   }

@@ -24,21 +24,24 @@ struct GrowthOptions {
   /// An unambiguous pose that costs at most this per observation (sigmas²) is not searched again:
   /// twice what Gaussian noise costs in eight residuals. (8–100)
   double explained_sigmas2 = 16.0;
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Options of the mapper, which begins and grows a map until it is at rest.
 struct MapperOptions {
   NoiseModel noise;      ///< its model_sigma_px is the start; it is estimated from the residuals
   ObservationLoss loss;  ///< of Algorithms 1 and 2
-  GateOptions gate;
+  OutlierGateOptions gate;
   GrowthOptions growth;
   BundleSolver solver = BundleSolver::own;
   int max_passes = 8;  ///< (1–50) of adjust, reconsider, gate
-  int threads = 0;     ///< 0 = all processors; never changes the result of the own solver
-};
+  int threads = 0;     ///< (kThreads) 0 = all processors; changes no result of the own solver
 
-/// Error: usage, naming the field and its range.
-[[nodiscard]] Status check(const MapperOptions& options);
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
+};
 
 /// Options as algorithms take them: losses handed down, threads counted.
 [[nodiscard]] MapperOptions effective(MapperOptions options);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/median.h"
+#include "core/base/range.h"
 
 namespace waymark {
 namespace {
@@ -41,13 +42,12 @@ std::optional<PoseOptimum> refine(std::span<const PlacementView> views, const Ri
 /// its expectation, at least 1. Rigs that stand a little wrong make every view misfit, and a gap
 /// between hypotheses says as much less.
 double misfit(std::span<const PlacementView> views, const Rigid3& world_from_marker) {
-  constexpr double kMedianOfChiSquare8 = 7.344;
   std::vector<double> squared;
   squared.reserve(views.size());
   for (const PlacementView& view : views) {
     squared.push_back(better_rig_pose(view, world_from_marker).second);
   }
-  return std::max(1.0, median(squared) / kMedianOfChiSquare8);
+  return std::max(1.0, upper_median(squared) / kMedianOfChi2_8);
 }
 
 struct Hypothesis {
@@ -77,6 +77,17 @@ std::vector<Hypothesis> scored_hypotheses(std::span<const PlacementView> views,
 }
 
 }  // namespace
+
+Status PlacementOptions::check() const {
+  return RangeCheck()
+      .part("loss", loss.check())
+      .field("score_scale_sigmas", score_scale_sigmas, {5.0, 100.0})
+      .field("max_refined", max_refined, {2, 50})
+      .field("max_iterations", max_iterations, {1, 200})
+      .field("distinct_rad", distinct_rad, {0.002, 0.5})
+      .field("distinct_m", distinct_m, {0.001, 1.0})
+      .status();
+}
 
 double placement_score(std::span<const PlacementView> views, const Rigid3& world_from_marker,
                        const PlacementOptions& options) {

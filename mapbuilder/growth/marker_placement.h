@@ -27,6 +27,9 @@ struct PlacementOptions {
   int max_iterations = 30;           ///< (1–200)
   double distinct_rad = 0.035;       ///< (0.002–0.5)
   double distinct_m = 0.05;          ///< (0.001–1)
+
+  /// usage, naming the first field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// Where a marker can stand.

@@ -20,11 +20,11 @@ Expected<OpenVideosFunction*> load_decoder() {
 
 }  // namespace
 
+Status VideoOptions::check() const { return RangeCheck().field("--every", every, kEvery).status(); }
+
 Expected<std::unique_ptr<VideoSource>> open_videos(const std::vector<std::filesystem::path>& videos,
                                                    const Rig& rig, const VideoOptions& options) {
-  if (options.every < 1) {
-    return fail(ErrorKind::usage, "--every {}: must be 1 or more", options.every);
-  }
+  if (auto fine = options.check(); !fine) return tl::make_unexpected(fine.error());
   if (videos.size() != rig.cameras.size()) {
     return fail(ErrorKind::usage,
                 "{} videos, but the rig has {} cameras; give one video per camera", videos.size(),

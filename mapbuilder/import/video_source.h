@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/base/range.h"
 #include "core/camera/rig.h"
 #include "core/capture/gray_image.h"
 #include "core/geometry/stamp.h"
@@ -16,8 +17,12 @@ namespace waymark {
 
 /// How videos are read.
 struct VideoOptions {
-  int every = 1;  ///< one of so many frames of each video is taken, ≥ 1; the first always
+  int every = 1;              ///< one of so many frames of each video is taken; the first always
   bool synchronized = false;  ///< several videos: their stamps count from one instant (--sync)
+
+  static constexpr Range kEvery{1, 1'000'000};
+  /// usage, naming the field that lies outside its range.
+  [[nodiscard]] Status check() const;
 };
 
 /// One frame of a video.
@@ -44,7 +49,7 @@ class VideoSource {
 };
 
 /// Opens `videos`, in the order of the rig's cameras. Errors: usage (several videos without
-/// `synchronized`; not as many as the rig has cameras; `every` below 1), no_input (absent),
+/// `synchronized`; not as many as the rig has cameras; options out of range), no_input (absent),
 /// bad_data (not a video that can be decoded; frames of another size than rig.yaml states),
 /// unavailable (the module that decodes videos can't be loaded).
 ///

@@ -77,7 +77,9 @@ struct Observations {
 
   [[nodiscard]] const Observation& operator[](ObservationIndex index) const { return all[index]; }
   [[nodiscard]] bool several_families() const {
-    return !markers.empty() && markers.front().family != markers.back().family;
+    MeetingFamilies families;
+    for (const MarkerId& id : markers) families.add(id.family);
+    return families.several();
   }
   /// Number of the observation's camera in its rig.
   [[nodiscard]] std::size_t camera_in_rig(const Observation& o) const {

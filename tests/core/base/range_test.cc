@@ -38,5 +38,13 @@ TEST(NumberIn, TakesNumbersOfTheRangeAndNothingElse) {
   }
 }
 
+TEST(RangeCheck, NamesAPartsFieldBehindThePart) {
+  const Status inner = RangeCheck().field("b", 3, {0, 2}).status();
+  const Status outer = RangeCheck().part("a", inner).field("c", 5, {0, 2}).status();
+  ASSERT_FALSE(outer);
+  EXPECT_EQ(outer.error().message, "a.b is 3; it must be from 0 to 2");
+  EXPECT_TRUE(RangeCheck().part("a", Status{}).status());
+}
+
 }  // namespace
 }  // namespace waymark

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/support/corner_trials.h"
+#include "tests/support/expect_ranges.h"
 
 namespace waymark {
 namespace {
@@ -159,6 +160,22 @@ TEST_F(FourMarkers, TellASaturatedOneHowBlurredItIs) {
     by_itself += squared_error(alone);
   }
   EXPECT_LT(with_others, 0.8 * by_itself);
+}
+
+TEST(ImageDetectorOptions, AreHeldToTheirRanges) {
+  expect_ranges<DetectorOptions>({ranged("min_side_px", &DetectorOptions::min_side_px, {8, 1000})});
+  expect_ranges<RefineOptions>(
+      {ranged("max_shift_px", &RefineOptions::max_shift_px, {1, 14}),
+       ranged("min_contrast_grey", &RefineOptions::min_contrast_grey, {1, 255}),
+       ranged("max_columns", &RefineOptions::max_columns, {8, 1000}),
+       ranged("model_sigma_px", &RefineOptions::model_sigma_px, {0, 1})});
+  ImageDetectorOptions options;
+  options.detector.min_side_px = 7;
+  EXPECT_EQ(options.check().error().message,
+            "detector.min_side_px is 7; it must be from 8 to 1000");
+  options = {};
+  options.refine.max_columns = 7;
+  EXPECT_EQ(options.check().error().message, "refine.max_columns is 7; it must be from 8 to 1000");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/expect_ranges.h"
 #include "tests/support/numeric_jacobian.h"
 #include "tests/support/synthetic_room.h"
 
@@ -71,6 +72,11 @@ TEST(MarkerObservation, EquationsAreTheGradientOfTheCost) {
       EXPECT_LT((slope.transpose() - 2 * gradient).norm(), 1e-5 * slope.norm());
     }
   }
+}
+
+TEST(ObservationLosses, AreHeldToTheirRanges) {
+  expect_ranges<ObservationLoss>(
+      {ranged("scale_sigmas", &ObservationLoss::scale_sigmas, ObservationLoss::kScaleSigmas)});
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -39,6 +41,22 @@ TEST(ObservationWeight, TakesDistanceAndAngleFromTheBetterSolution) {
   solutions.cam_from_marker[1] = {so3_exp({0, M_PI + tilt, 0}), {0, 0, 2}};
   EXPECT_NEAR(observation_weight(solutions, options), observation_weight(2.0, tilt, 1.0, options),
               1e-12);
+}
+
+TEST(ObservationWeightOptions, AreHeldToTheirRanges) {
+  expect_ranges<ObservationWeightOptions>(
+      {ranged("lambda_distance", &ObservationWeightOptions::lambda_distance,
+              ObservationWeightOptions::kLambda),
+       ranged("lambda_angle", &ObservationWeightOptions::lambda_angle,
+              ObservationWeightOptions::kLambda),
+       ranged("lambda_ambiguity", &ObservationWeightOptions::lambda_ambiguity,
+              ObservationWeightOptions::kLambda),
+       ranged("epsilon_rad", &ObservationWeightOptions::epsilon_rad,
+              ObservationWeightOptions::kDivisor),
+       ranged("max_distance_m", &ObservationWeightOptions::max_distance_m,
+              ObservationWeightOptions::kDivisor),
+       ranged("max_angle_rad", &ObservationWeightOptions::max_angle_rad,
+              ObservationWeightOptions::kDivisor)});
 }
 
 }  // namespace

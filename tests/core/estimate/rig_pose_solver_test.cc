@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "tests/support/expect_ranges.h"
 #include "tests/support/synthetic_room.h"
 
 namespace waymark {
@@ -163,6 +164,21 @@ TEST(RigPoseSolver, WithoutObservationsThereIsNoPose) {
   EXPECT_FALSE(solver.solve({}));
   const Rigid3 prior;
   EXPECT_FALSE(solver.solve({}, {&prior, 1}));
+}
+
+TEST(RigPoseOptions, AreHeldToTheirRanges) {
+  using Options = RigPoseOptions;
+  expect_ranges<Options>(
+      {ranged("score_scale_sigmas", &Options::score_scale_sigmas, {5, 100}),
+       ranged("max_seed_observations", &Options::max_seed_observations, {1, 1000}),
+       ranged("max_refined", &Options::max_refined, {2, 50}),
+       ranged("max_iterations", &Options::max_iterations, {1, 200}),
+       ranged("ambiguity_gap", &Options::ambiguity_gap, {0, 1000}),
+       ranged("distinct_rad", &Options::distinct_rad, {0.002, 0.5}),
+       ranged("distinct_m", &Options::distinct_m, {0.001, 1}),
+       {"bounded_score_sigmas", {5, 100}, [](Options& o, double v) { o.bounded_score_sigmas = v; }},
+       {"loss.scale_sigmas", ObservationLoss::kScaleSigmas,
+        [](Options& o, double v) { o.loss.scale_sigmas = v; }}});
 }
 
 }  // namespace

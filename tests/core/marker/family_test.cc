@@ -47,5 +47,18 @@ TEST(Family, NumbersInMapFilesNeverChange) {
   EXPECT_EQ(family_from_number(20), Family::tag36h11);
 }
 
+TEST(MeetingFamilies, AreSeveralOrOneOrNone) {
+  MeetingFamilies families;
+  EXPECT_FALSE(families.several());
+  EXPECT_FALSE(families.only());
+  for (int i = 0; i < 2; ++i) families.add(Family::tag36h11);
+  EXPECT_FALSE(families.several());
+  EXPECT_EQ(families.only(), Family::tag36h11);
+  families.add(Family::tag25h9);
+  families.add(Family::tag36h11);
+  EXPECT_TRUE(families.several());
+  EXPECT_FALSE(families.only());
+}
+
 }  // namespace
 }  // namespace waymark

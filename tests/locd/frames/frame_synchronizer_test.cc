@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -184,6 +186,15 @@ TEST(FrameSetLease, TellsItsStamps) {
   EXPECT_EQ(set.set_stamp(), today + milliseconds(1));
   EXPECT_EQ(set.mean_stamp(), today + std::chrono::microseconds(4500));
   EXPECT_EQ(set.max_skew(), milliseconds(7));
+}
+
+TEST(SyncOptions, AreHeldToTheirRanges) {
+  using Options = SyncOptions;
+  expect_ranges<Options>(
+      {ranged("tolerance in us", &Options::tolerance, Options::kTolerance_us, 1),
+       ranged("deadline in ms", &Options::deadline, Options::kDeadline_ms, 1000),
+       ranged("min_cameras", &Options::min_cameras, Options::kMinCameras),
+       ranged("leave_after_sets", &Options::leave_after_sets, Options::kLeaveAfterSets)});
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <set>
 #include <tuple>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -190,6 +192,17 @@ TEST(ImageHealth, OfDetectionsThatComeInPlaceOfImagesStaleOnesAreToldToo) {
   ASSERT_EQ(alerts.size(), 1U);
   EXPECT_EQ(alerts[0].kind, AlertKind::image_stale);
   EXPECT_EQ(alerts[0].camera, 1);
+}
+
+TEST(ImageHealthOptions, AreHeldToTheirRanges) {
+  expect_ranges<ImageHealthOptions>(
+      {ranged("identical_images", &ImageHealthOptions::identical_images, {2, 100}),
+       ranged("dark_grey", &ImageHealthOptions::dark_grey, {1, 100}),
+       ranged("bright_grey", &ImageHealthOptions::bright_grey, {100, 255}),
+       ranged("saturated_share", &ImageHealthOptions::saturated_share, {0.1, 1}),
+       ranged("edge_grey", &ImageHealthOptions::edge_grey, {1, 50}),
+       ranged("sets_to_raise", &ImageHealthOptions::sets_to_raise, {1, 100}),
+       ranged("sets_to_clear", &ImageHealthOptions::sets_to_clear, {1, 100})});
 }
 
 }  // namespace

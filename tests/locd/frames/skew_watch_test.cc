@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -38,6 +40,12 @@ TEST(SkewWatch, OneLateExposureIsNoBrokenTrigger) {
 TEST(SkewWatch, CamerasThatRunFreeExposeWhenTheyLike) {
   SkewWatch watch({false, microseconds(1000), 10});
   EXPECT_TRUE(after(watch, 100, microseconds(11000)).empty());
+}
+
+TEST(SkewWatchOptions, AreHeldToTheirRanges) {
+  expect_ranges<SkewWatchOptions>(
+      {ranged("most in ms", &SkewWatchOptions::most, SkewWatchOptions::kMost_ms, 1000),
+       ranged("sets", &SkewWatchOptions::sets, {2, 100})});
 }
 
 }  // namespace

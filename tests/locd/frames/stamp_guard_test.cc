@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -139,6 +141,15 @@ TEST(StampGuard, UsesArrivalWhenStampsStayWrongAndStampsWhenTheyAreFineAgain) {
     (void)guard.admit(frame, now);
   }
   EXPECT_FALSE(guard.unsynced());
+}
+
+TEST(StampGuardOptions, AreHeldToTheirRanges) {
+  using Options = StampGuardOptions;
+  expect_ranges<Options>({ranged("delay in us", &Options::delay, Options::kDelay_us, 1),
+                          ranged("future in ms", &Options::future, {0, 100}, 1000),
+                          ranged("oldest_periods", &Options::oldest_periods, {1, 100}),
+                          ranged("distrust_after", &Options::distrust_after, {1, 1000}),
+                          ranged("trust_after", &Options::trust_after, {1, 10'000})});
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <sched.h>
 
 #include <atomic>
+#include <filesystem>
+#include <iterator>
 #include <mutex>
 #include <set>
 #include <thread>
@@ -97,6 +99,37 @@ TEST(FrameDetector, WithoutFamiliesOnlyDetectionsThatComeAreThere) {
   detector.detect(set, 3);
   EXPECT_TRUE(detector.detections_of(0).empty());
   ASSERT_EQ(detector.detections_of(1).size(), 1U);
+}
+
+TEST(FrameDetector, AnImageThatTheLibraryFailsOnIsToldAndOthersAreSearched) {
+  const Rig rig = test::ring_rig(2);
+  FrameDetector detector(rig, tags(), 1);
+  const Images images(rig);
+  FrameSetLease set = images.set();
+  GrayView torn = set.frames[1].image();
+  torn.stride_bytes = 1;  // rows that overlap, at which OpenCV refuses to look
+  set.frames[1] = Frame(FrameInfo{}, torn, nullptr, nullptr, 0);
+  detector.detect(set, 0b11);
+  EXPECT_EQ(detector.searched(), 0b11U);
+  EXPECT_EQ(detector.failed(), 0b10U);
+  EXPECT_TRUE(detector.detections_of(1).empty());
+  detector.detect(images.set(), 0b01);
+  EXPECT_EQ(detector.searched(), 0b01U);
+  EXPECT_EQ(detector.failed(), 0U);
+}
+
+/// Threads of this process.
+std::ptrdiff_t threads() {
+  return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
+}
+
+TEST(FrameDetector, TheLibraryMakesNoThreadsOfItsOwn) {
+  const Rig rig = test::ring_rig(2);
+  const std::ptrdiff_t before = threads();
+  FrameDetector detector(rig, tags(), 2);
+  const Images images(rig);
+  for (int i = 0; i < 3; ++i) detector.detect(images.set(), 0b11);
+  EXPECT_EQ(threads(), before + 1) << "the one that was asked for";
 }
 
 }  // namespace

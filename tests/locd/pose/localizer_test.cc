@@ -365,5 +365,35 @@ TEST(LocalizerOptions, TellWhichFieldLiesOutsideItsRange) {
   EXPECT_THAT(said([](auto& o) { o.detection_threads = -1; }), HasSubstr("detection_threads"));
 }
 
+TEST(Localizer, ImagesThatTheLibraryFailsOnAreLeftOutCountedAndSaid) {
+  RoomDrive drive(test::make_room(usual(60)));
+  Localizer localizer(drive.room().rig, test::room_map(drive.room()), {});
+  const CameraParameters& size = drive.room().rig.cameras[1].model.parameters();
+  GrayImage image(size.width_px, size.height_px, 0);
+  PoseEstimate estimate;
+  std::vector<Alert> alerts;
+  for (std::size_t i = 0; i < 12; ++i) {
+    const bool fails = i >= 3 && i < 9;
+    FrameSetLease set = drive.set(i);
+    if (fails) {
+      for (std::size_t p = 0; p < image.pixels.size(); ++p) {
+        image.pixels[p] = static_cast<std::uint8_t>((p * 7919 + i * 101) % 251);
+      }
+      GrayView torn = image.view();
+      torn.stride_bytes = 1;  // rows that overlap, at which OpenCV refuses to look
+      set.frames[1] = Frame(set.frames[1].info(), torn, nullptr, nullptr, 0);
+    }
+    localizer.localize(set, estimate);
+    EXPECT_EQ(localizer.left_out(DropReason::unsearched), fails ? 0b10U : 0U) << i;
+    EXPECT_EQ(localizer.left_out(DropReason::unhealthy), 0U) << i;
+    EXPECT_EQ(estimate.has(PoseReason::camera_missing), fails) << i;
+    EXPECT_TRUE(estimate.has_pose());
+    for (const Alert& alert : localizer.alerts()) alerts.push_back(alert);
+  }
+  ASSERT_EQ(alerts.size(), 1U);
+  EXPECT_EQ(alerts[0].kind, AlertKind::image_unsearched);
+  EXPECT_EQ(alerts[0].camera, 1);
+}
+
 }  // namespace
 }  // namespace waymark

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/locd/pose/room_drive.h"
+#include "tests/support/expect_ranges.h"
 #include "tests/support/small_map.h"
 
 namespace waymark {
@@ -167,6 +168,20 @@ TEST_F(UnmappedMarkers, KnownFromBeforeARestartAreGoneAnHourAfterIt) {
   EXPECT_TRUE(alerts_.empty());
   watch_.forget_unknown(hours(502), alerts_);
   EXPECT_EQ(alerts_.size(), 1U);
+}
+
+TEST(MapWatchOptions, AreHeldToTheirRanges) {
+  using Options = MapWatchOptions;
+  expect_ranges<Options>({ranged("min_other_markers", &Options::min_other_markers, {2, 20}),
+                          ranged("min_offset_m", &Options::min_offset_m, {0.001, 1}),
+                          ranged("min_turn_rad", &Options::min_turn_rad, {0.002, 0.5}),
+                          ranged("naming_chi2", &Options::naming_chi2, {20, 500}),
+                          ranged("memory_sets", &Options::memory_sets, {10, 1000}),
+                          ranged("sets_elsewhere", &Options::sets_elsewhere, {2, 100}),
+                          ranged("sets_back", &Options::sets_back, {2, 1000}),
+                          ranged("sets_unknown", &Options::sets_unknown, {2, 1000}),
+                          ranged("unknown_memory in s", &Options::unknown_memory, {1, 3600}, 1e6),
+                          ranged("unknown_gone in s", &Options::unknown_gone, {60, 86'400}, 1e6)});
 }
 
 }  // namespace

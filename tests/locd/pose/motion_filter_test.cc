@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -62,6 +64,15 @@ TEST(MotionFilter, CornersOfOtherInstantsTellTheVelocityAtOnce) {
   ASSERT_TRUE(now);
   EXPECT_NEAR(now->velocity[0], 0.5, 1e-3);
   EXPECT_NEAR(now->velocity[1], 0.0, 1e-9);
+}
+
+TEST(MotionOptions, AreHeldToTheirRanges) {
+  expect_ranges<MotionOptions>(
+      {ranged("max_age_s", &MotionOptions::max_age_s, MotionOptions::kMaxAge_s),
+       ranged("speed_sigma_mps", &MotionOptions::speed_sigma_mps, {0.05, 20}),
+       ranged("turn_sigma_radps", &MotionOptions::turn_sigma_radps, {0.05, 20}),
+       ranged("accel_density", &MotionOptions::accel_density, {0.01, 100}),
+       ranged("turn_accel_density", &MotionOptions::turn_accel_density, {0.01, 100})});
 }
 
 }  // namespace

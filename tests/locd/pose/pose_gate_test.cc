@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -109,6 +111,16 @@ TEST(PoseGate, AmbiguousIsSaid) {
   PoseSolution two = good();
   two.ambiguous = true;
   EXPECT_EQ(judge_alone(two), bit(PoseReason::ambiguous));
+}
+
+TEST(GateOptions, AreHeldToTheirRanges) {
+  using Options = GateOptions;
+  expect_ranges<Options>(
+      {ranged("max_3sigma_m", &Options::max_3sigma_m, Options::kMax3Sigma_m),
+       ranged("v_max_mps", &Options::v_max_mps, Options::kVMax_mps),
+       ranged("vouching_factor", &Options::vouching_factor, Options::kVouchingFactor),
+       ranged("sets_to_believe_jump", &Options::sets_to_believe_jump,
+              Options::kSetsToBelieveJump)});
 }
 
 }  // namespace

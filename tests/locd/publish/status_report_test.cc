@@ -156,11 +156,14 @@ TEST(StatusReport, CountsRatesAndDrops) {
   counts.skipped = 5;
   counts.divisor = 2;
   counts.unhealthy = 0b10;
+  counts.left_out[1][static_cast<std::size_t>(DropReason::unhealthy)] = 7;
+  counts.left_out[0][static_cast<std::size_t>(DropReason::unsearched)] = 4;
   status_t status{};
   machine.report().fill(machine.states(), counts, seconds(2), status);
   EXPECT_DOUBLE_EQ(status.set_rate_hz, 10);
   EXPECT_DOUBLE_EQ(status.cameras[0].rate_hz, 10);
-  EXPECT_EQ(status.cameras[1].dropped, 5);
+  EXPECT_EQ(status.cameras[0].dropped, 4);
+  EXPECT_EQ(status.cameras[1].dropped, 12);
   EXPECT_EQ(status.cameras[0].usable, 1);
   EXPECT_EQ(status.cameras[1].usable, 0);
   const auto drops = [&](const std::string& reason) {
@@ -172,6 +175,8 @@ TEST(StatusReport, CountsRatesAndDrops) {
   EXPECT_EQ(drops("late"), 3);
   EXPECT_EQ(drops("damaged"), 2);
   EXPECT_EQ(drops("overload"), 5);
+  EXPECT_EQ(drops("unhealthy"), 7);
+  EXPECT_EQ(drops("unsearched"), 4);
   EXPECT_EQ(status.drop_count, static_cast<std::int32_t>(status.drops.size()));
   machine.run(seconds(3), false);
   machine.report().fill(machine.states(), counts, seconds(3), status);

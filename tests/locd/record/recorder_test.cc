@@ -9,6 +9,7 @@
 #include "core/capture/image_file.h"
 #include "drivers/monotonic_clock.h"
 #include "tests/support/disk_double.h"
+#include "tests/support/expect_ranges.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -294,6 +295,12 @@ TEST(Recorder, StartsAndStopsWhileSetsAreOffered) {
   }
   done = true;
   cameras_thread.join();
+}
+
+TEST(RecorderOptions, AreHeldToTheirRanges) {
+  expect_ranges<RecorderOptions>(
+      {ranged("jpeg_quality", &RecorderOptions::jpeg_quality, RecorderOptions::kJpegQuality),
+       ranged("every_nth", &RecorderOptions::every_nth, RecorderOptions::kEveryNth)});
 }
 
 }  // namespace

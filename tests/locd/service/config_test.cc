@@ -4,6 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "drivers/camera_options.h"
+#include "locd/frames/stamp_guard.h"
+#include "locd/record/recorder.h"
 #include "locd/service/setup.h"
 
 namespace waymark {
@@ -243,12 +248,17 @@ struct RangedKey {
 
 class RangedKeys : public testing::TestWithParam<RangedKey> {
  protected:
+  [[nodiscard]] static bool whole() {
+    const std::string key = GetParam().key;
+    return key == "min_cameras" || key == "every_nth";
+  }
   [[nodiscard]] static Expected<Config> with(double value) {
-    const bool whole = GetParam().key == std::string("min_cameras");
-    return parse_config(smallest_with(fmt::format(
-                            "[{}]\n{} = {}\n", GetParam().block, GetParam().key,
-                            whole ? fmt::format("{:.0f}", value) : fmt::format("{:.9f}", value))),
-                        "locd.toml");
+    const std::string block = GetParam().block;
+    const std::string line =
+        fmt::format("{} = {}\n", GetParam().key,
+                    whole() ? fmt::format("{:.0f}", value) : fmt::format("{:.9f}", value));
+    if (block == "camera") return parse_config(std::string(kSmallest) + line, "locd.toml");
+    return parse_config(smallest_with(fmt::format("[{}]\n{}", block, line)), "locd.toml");
   }
 };
 
@@ -258,10 +268,10 @@ TEST_P(RangedKeys, AreHeldToTheRangeOfWhatTheySet) {
     const auto config = with(value);
     ASSERT_TRUE(config) << config.error().message;
     EXPECT_TRUE(localizer_options(*config).check()) << value;
+    EXPECT_TRUE(sync_options(*config).check()) << value;
   }
-  const bool whole = GetParam().key == std::string("min_cameras");
-  const double step = whole ? 1 : 0.001 * range.low + 1e-6;
-  for (const double value : {range.low - step, range.high + (whole ? 1 : 0.001 * range.high)}) {
+  const double below = whole() ? 1 : 0.001 * std::abs(range.low) + 1e-6;
+  for (const double value : {range.low - below, range.high + (whole() ? 1 : 0.001 * range.high)}) {
     const auto config = with(value);
     ASSERT_FALSE(config) << value;
     EXPECT_THAT(config.error().message, HasSubstr(GetParam().key));
@@ -278,7 +288,19 @@ INSTANTIATE_TEST_SUITE_P(
                     RangedKey{"solve", "ok_sigma_deg", GateOptions::kMax3Sigma_deg},
                     RangedKey{"solve", "v_max_mps", GateOptions::kVMax_mps},
                     RangedKey{"solve", "w_max_dps", GateOptions::kWMax_degps},
-                    RangedKey{"solve", "prior_max_age_s", LocalizerOptions::kPriorMaxAge_s}),
+                    RangedKey{"solve", "prior_max_age_s", LocalizerOptions::kPriorMaxAge_s},
+                    RangedKey{"camera", "fps", CaptureRequest::kFps},
+                    RangedKey{"camera", "exposure_us", CameraControls::kExposure_us},
+                    RangedKey{"camera", "gain", CameraControls::kGain},
+                    RangedKey{"camera", "readout_us", RigCamera::kReadout_us},
+                    RangedKey{"camera", "stamp_delay_us", StampGuardOptions::kDelay_us},
+                    RangedKey{"camera", "white_balance_k", CameraControls::kWhiteBalance_k},
+                    RangedKey{"camera", "focus", CameraControls::kFocus},
+                    RangedKey{"record", "every_nth", RecorderOptions::kEveryNth},
+                    RangedKey{"record", "max_bytes", Config::Record::kMaxBytes},
+                    RangedKey{"record", "keep_s", Config::Record::kKeep_s},
+                    RangedKey{"record", "min_free_bytes", Config::Record::kMinFreeBytes},
+                    RangedKey{"service", "startup_wait_s", Config::Service::kStartupWait_s}),
     [](const auto& key) { return std::string(key.param.key); });
 
 TEST(Config, AnAbsentFileIsNoInput) {

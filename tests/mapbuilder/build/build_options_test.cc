@@ -5,10 +5,13 @@
 #include <functional>
 #include <limits>
 
+#include "core/base/parallel.h"
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
-TEST(BuildOptions, DefaultsAreWithinTheirRanges) { EXPECT_TRUE(check(BuildOptions{})); }
+TEST(BuildOptions, DefaultsAreWithinTheirRanges) { EXPECT_TRUE(BuildOptions{}.check()); }
 
 TEST(BuildOptions, WhatIsOutOfRangeOrNoNumberIsNamed) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -31,11 +34,38 @@ TEST(BuildOptions, WhatIsOutOfRangeOrNoNumberIsNamed) {
   for (const Case& one : cases) {
     BuildOptions options;
     one.spoil(options);
-    const Status status = check(options);
+    const Status status = options.check();
     ASSERT_FALSE(status) << one.field;
     EXPECT_EQ(status.error().kind, ErrorKind::usage);
     EXPECT_NE(status.error().message.find(one.field), std::string::npos) << status.error().message;
   }
+}
+
+TEST(BuildOptions, PartsAreHeldToTheirRanges) {
+  expect_ranges<GrowthOptions>(
+      {ranged("placement_gap", &GrowthOptions::placement_gap, {0, 1000}),
+       ranged("firm_markers", &GrowthOptions::firm_markers, {1, 10}),
+       ranged("max_placement_views", &GrowthOptions::max_placement_views, {2, 1000}),
+       ranged("adjust_growth", &GrowthOptions::adjust_growth, {1.05, 10}),
+       ranged("explained_sigmas2", &GrowthOptions::explained_sigmas2, {8, 100})});
+  expect_ranges<PlacementOptions>(
+      {ranged("score_scale_sigmas", &PlacementOptions::score_scale_sigmas, {5, 100}),
+       ranged("max_refined", &PlacementOptions::max_refined, {2, 50}),
+       ranged("max_iterations", &PlacementOptions::max_iterations, {1, 200}),
+       ranged("distinct_rad", &PlacementOptions::distinct_rad, {0.002, 0.5}),
+       ranged("distinct_m", &PlacementOptions::distinct_m, {0.001, 1})});
+  expect_ranges<RefinementLimits>(
+      {ranged("position_m", &RefinementLimits::position_m, {1e-5, 1}),
+       ranged("rotation_rad", &RefinementLimits::rotation_rad, {1e-5, 0.1}),
+       ranged("focal", &RefinementLimits::focal, {1e-5, 0.1}),
+       ranged("size", &RefinementLimits::size, {1e-5, 0.1}),
+       ranged("most_unsure", &RefinementLimits::most_unsure, {2, 100})});
+  expect_ranges<MapperOptions>({ranged("max_passes", &MapperOptions::max_passes, {1, 50}),
+                                ranged("threads", &MapperOptions::threads, kThreads)});
+  expect_ranges<NoiseModel>({ranged("model_sigma_px", &NoiseModel::model_sigma_px,
+                                    {kSmallestModelSigma, kLargestModelSigma})});
+  expect_ranges<OutlierGateOptions>({ranged("reject_sigmas", &OutlierGateOptions::reject_sigmas,
+                                            OutlierGateOptions::kRejectSigmas)});
 }
 
 }  // namespace

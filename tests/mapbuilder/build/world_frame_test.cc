@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/support/expect_ranges.h"
+
 namespace waymark {
 namespace {
 
@@ -157,6 +159,11 @@ TEST(MoveWorld, CarriesCovarianceAndTrajectoryAlong) {
   EXPECT_LT((submap.map.markers[0].covariance.diagonal() - expected).norm(), 1e-12);
   EXPECT_LT((submap.trajectory[0].world_from_rig.translation - Eigen::Vector3d(1, 0, 0)).norm(),
             1e-12);
+}
+
+TEST(MovedLimits, AreHeldToTheirRanges) {
+  expect_ranges<MovedLimits>({ranged("distance_m", &MovedLimits::distance_m, {0.001, 1}),
+                              ranged("turn_rad", &MovedLimits::turn_rad, {0.005, 0.5})});
 }
 
 }  // namespace

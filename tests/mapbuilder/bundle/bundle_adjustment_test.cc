@@ -4,6 +4,7 @@
 #include <random>
 
 #include "tests/mapbuilder/bundle/bundle_of_room.h"
+#include "tests/support/expect_ranges.h"
 
 namespace waymark {
 namespace {
@@ -137,16 +138,15 @@ TEST(BundleAdjustment, SaysHowItEnded) {
             BundleTermination::nothing_to_do);
 }
 
-TEST(BundleOptions, AreCheckedNaNIncluded) {
-  EXPECT_TRUE(check(BundleOptions{}));
-  BundleOptions no_number;
-  no_number.function_tolerance = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_FALSE(check(no_number));
-  EXPECT_EQ(check(no_number).error().kind, ErrorKind::usage);
-  EXPECT_NE(check(no_number).error().message.find("function_tolerance"), std::string::npos);
-  BundleOptions no_thread;
-  no_thread.threads = 0;
-  EXPECT_FALSE(check(no_thread));
+TEST(BundleOptions, AreHeldToTheirRanges) {
+  using Options = BundleOptions;
+  expect_ranges<Options>({ranged("max_iterations", &Options::max_iterations, {1, 1000}),
+                          ranged("function_tolerance", &Options::function_tolerance, {1e-16, 0.1}),
+                          ranged("initial_damping", &Options::initial_damping, {1e-16, 1}),
+                          ranged("threads", &Options::threads, {1, 1024})});
+  expect_ranges<BundleScope>(
+      {ranged("size_sigma", &BundleScope::size_sigma, {1e-4, 0.1}),
+       ranged("edge_bias_sigma_px", &BundleScope::edge_bias_sigma_px, {0.01, 2})});
 }
 
 }  // namespace

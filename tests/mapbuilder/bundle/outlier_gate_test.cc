@@ -14,7 +14,7 @@ test::PreparedRoom shifted_by(const test::SyntheticRoom& room, double px) {
 
 TEST(OutlierGate, RejectsBeyondTheThresholdAndReadmitsBelowNineTenths) {
   const auto room = test::make_room({});
-  const GateOptions options;
+  const OutlierGateOptions options;
   Estimate estimate = test::PreparedRoom(room).truth;
   const auto gated = [&](double sigmas) {
     const test::PreparedRoom shifted = shifted_by(room, sigmas * options.reject_sigmas);

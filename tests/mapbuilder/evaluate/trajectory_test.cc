@@ -131,5 +131,15 @@ TEST(MatchWithTruth, ACamerasTruthIsTheRigsWithItsPlaceOnIt) {
   EXPECT_THAT(unknown.error().message, HasSubstr("cam7"));
 }
 
+TEST(MatchWithTruth, StampsMayLieAsFarApartAsStampsCan) {
+  const std::vector<StampedPose> truth{{Stamp::min(), {}}, {Stamp::max() - Stamp(1), {}}};
+  const auto matched = [&](Stamp stamp) {
+    return match_with_truth({{std::nullopt, {{stamp, {}}}}}, truth, nullptr)->pairs.size();
+  };
+  EXPECT_EQ(matched(Stamp(0)), 0U);
+  EXPECT_EQ(matched(Stamp::min()), 1U);
+  EXPECT_EQ(matched(Stamp::max()), 1U);
+}
+
 }  // namespace
 }  // namespace waymark

@@ -225,7 +225,7 @@ TEST_F(VideoInput, PlayListsAreNoVideos) {
 
 TEST_F(VideoInput, UsageIsChecked) {
   const fs::path a = make_video("a.avi", 2, 25);
-  expect_failure(open_videos({a}, rig(1), {.every = 0}), ErrorKind::usage, "--every 0");
+  expect_failure(open_videos({a}, rig(1), {.every = 0}), ErrorKind::usage, "--every is 0");
   expect_failure(open_videos({a}, rig(2), {.synchronized = true}), ErrorKind::usage,
                  "1 videos, but the rig has 2 cameras");
   expect_failure(open_videos({}, rig(1), {}), ErrorKind::usage, "0 videos");

@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/geometry/tum.h"
@@ -166,6 +168,33 @@ TEST(MeasuredByHand, TheExampleInTheDocumentsIsAMap) {
   const auto info = run_mapbuilder({"info", map});
   EXPECT_NE(info.out.find("facility, z is up"), std::string::npos) << info.out;
   EXPECT_NE(info.out.find("8.66 mm at most"), std::string::npos) << info.out;
+}
+
+TEST_F(MapLife, WhatAnEarlierMapsWorldMovesBeyondAThousandKilometresIsNoMap) {
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  // The earlier map's world ends in the middle of the hall.
+  auto far = *read_map_file(path("then.map"));
+  std::vector<MapMarker>& markers = far.submaps[0].markers;
+  std::vector<double> x_m;
+  for (const MapMarker& m : markers) x_m.push_back(m.world_from_marker.translation.x());
+  std::sort(x_m.begin(), x_m.end());
+  const double middle_m = x_m[x_m.size() / 2];
+  for (MapMarker& m : markers) m.world_from_marker.translation.x() += 1e6 - middle_m;
+  std::erase_if(markers, [](const MapMarker& m) {
+    return std::abs(m.world_from_marker.translation.x()) > 1e6;
+  });
+  ASSERT_TRUE(write_map_file(path("far.map"), far));
+  for (const bool with_report : {false, true}) {
+    std::vector<std::string> arguments{"build",       path("then"), "-o",
+                                       path("x.map"), "--frame-of", path("far.map")};
+    if (with_report) arguments.insert(arguments.end(), {"--report", path("report")});
+    const auto run = run_mapbuilder(arguments);
+    EXPECT_EQ(run.exit_code, 65) << run.err;
+    EXPECT_EQ(test::error_lines(run), 1) << run.err;
+    EXPECT_NE(run.err.find("beyond 1000 km"), std::string::npos) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(path("x.map")));
+    EXPECT_FALSE(std::filesystem::exists(path("report")));
+  }
 }
 
 }  // namespace
