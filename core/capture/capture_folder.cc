@@ -11,8 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A larger tolerance would join frames of different places: at 1 m/s, 1 s is 1 m.
-
 /// Reads one capture folder; each step fills a part of the result.
 class FolderReader {
  public:

@@ -22,7 +22,8 @@ struct FrameSet {
   std::vector<std::size_t> images;  ///< indices into the input, by rising camera
 };
 
-/// What a sync tolerance may be.
+/// What a sync tolerance may be: a larger one would join frames of different places, at 1 m/s 1 m
+/// apart.
 inline constexpr Range kSyncTolerance_us{0, 1e6};
 /// Default sync tolerance: frames within 5 ms of the set's earliest belong together.
 inline constexpr Stamp kDefaultSyncTolerance = std::chrono::milliseconds(5);
