@@ -118,13 +118,14 @@ void ImageHealth::compare(std::size_t camera, std::uint64_t hash, Stamp stamp,
   const auto known =
       images.hashes.begin() + static_cast<std::ptrdiff_t>(std::min(images.different, kRemembered));
   const bool repeats = std::find(images.hashes.begin(), known, hash) != known;
+  const bool doubted = options_.doubt_first_images && images.different == 0;
   const bool as_last = images.different > 0 && hash == images.last_hash;
   images.identical = as_last ? images.identical + 1 : 1;
   // One that equals the last says nothing new of whether old images come again.
   if (!as_last) images.older = repeats ? images.older + 1 : 0;
   images.last_hash = hash;
   if (!repeats) images.hashes[images.different++ % kRemembered] = hash;
-  repeated_ = repeats ? repeated_ | camera_bit(camera) : repeated_ & ~camera_bit(camera);
+  repeated_ = repeats || doubted ? repeated_ | camera_bit(camera) : repeated_ & ~camera_bit(camera);
   note(camera, kFrozen, images.identical >= options_.identical_images, 1, stamp, alerts);
   note(camera, kStale, images.older >= options_.identical_images, 1, stamp, alerts);
 }

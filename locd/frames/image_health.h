@@ -24,6 +24,9 @@ struct ImageHealthOptions {
   /// 99.5 % of the differences between pixels 4 px apart are smaller: obscured, for even a wall has
   /// edges. (1–50)
   int edge_grey = 10;
+  /// What cameras gave before is not known, for they ran on while the program was started anew: the
+  /// first image of one may be an old one, until it has given another.
+  bool doubt_first_images = false;
   int sets_to_raise = 3;  ///< dark, saturated, obscured so often in a row (1–100)
   int sets_to_clear = 3;  ///< (1–100)
 
@@ -55,8 +58,8 @@ class ImageHealth {
 
   /// Cameras that can't be used now.
   [[nodiscard]] CameraMask unhealthy() const { return unhealthy_; }
-  /// Cameras whose newest image is one of their last: it tells nothing of now, whether or not that
-  /// is a fault yet.
+  /// Cameras whose newest image is one of their last, or a first one that is doubted: it tells
+  /// nothing of now, whether or not that is a fault yet.
   [[nodiscard]] CameraMask repeated() const { return repeated_; }
 
  private:

@@ -28,6 +28,12 @@ MotionOptions motion_options(const LocalizerOptions& options) {
   return motion;
 }
 
+ImageHealthOptions health_options(const LocalizerOptions& options) {
+  ImageHealthOptions health;
+  health.doubt_first_images = options.doubt_first_images;
+  return health;
+}
+
 }  // namespace
 
 Status LocalizerOptions::check() const {
@@ -50,7 +56,7 @@ struct Localizer::Implementation {
         motion(motion_options(options)),
         map_watch(map, robust.solver()),
         camera_watch(rig, map),
-        health(rig.cameras.size()),
+        health(rig.cameras.size(), health_options(options)),
         skew_watch({options.triggered, options.negligible_skew}) {
     observations.reserve(kMaxObservations);
     quarantined.reserve(kMaxObservations);

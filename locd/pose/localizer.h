@@ -25,7 +25,10 @@ struct LocalizerOptions {
   /// Exposures farther apart need the rig's velocity to be put together; on a triggered rig they
   /// must not occur.
   Stamp negligible_skew = std::chrono::microseconds(1000);
-  bool triggered = false;     ///< the rig's cameras expose together: skew is a fault
+  bool triggered = false;  ///< the rig's cameras expose together: skew is a fault
+  /// Cameras that ran before the program did: see ImageHealthOptions. A capture's first images are
+  /// as good as any.
+  bool doubt_first_images = false;
   int detection_threads = 0;  ///< 0: one per camera, at most as many as there are processors
   /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
   std::function<void()> begin_worker;

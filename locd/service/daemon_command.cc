@@ -19,6 +19,7 @@
 #include "locd/service/camera_check.h"
 #include "locd/service/camera_sources.h"
 #include "locd/service/instance_lock.h"
+#include "locd/service/standard_error.h"
 
 namespace waymark {
 namespace {
@@ -51,7 +52,7 @@ std::filesystem::path state_lock_file(const DaemonOptions& options) {
 std::optional<DeviceMonitor> open_device_monitor() {
   auto monitor = DeviceMonitor::open();
   if (monitor) return std::move(*monitor);
-  fmt::print(stderr, "note: {}\n", monitor.error().message);
+  offer_line(note_line(monitor.error().message));
   return std::nullopt;
 }
 
@@ -72,13 +73,13 @@ std::size_t heap_needed(const Rig& rig) {
 int end(Daemon& daemon, int code) {
   const Status ended = daemon.stop(kStopPatience);
   if (ended) return code;
-  fmt::print(stderr, "locd: {}\n", ended.error().message);
+  offer_line(fmt::format("locd: {}", ended.error().message));
   std::fflush(nullptr);
   std::_Exit(code);
 }
 
 int report_failure(const Error& error) {
-  fmt::print(stderr, "locd: {}\n", error.message);
+  offer_line(fmt::format("locd: {}", error.message));
   return error.exit_code();
 }
 
@@ -87,7 +88,7 @@ void take_device_events(std::optional<DeviceMonitor>& monitor, Daemon& daemon) {
   const auto came = monitor->device_came();
   if (came && *came) daemon.devices_came();
   if (came) return;
-  fmt::print(stderr, "note: {}\n", came.error().message);
+  offer_line(note_line(came.error().message));
   monitor.reset();
 }
 

@@ -12,7 +12,8 @@ class logger;
 namespace waymark {
 
 /// The service's log on stderr, where systemd's journal takes it: notes once, events limited. Each
-/// text is a line by the rule of in_one_line, whatever it quotes.
+/// text is a line by the rule of in_one_line, whatever it quotes. Nothing waits for who reads it:
+/// lines that nobody takes are lost and counted. One thread.
 class ServiceLog {
  public:
   /// A summary is a list of such texts.

@@ -185,6 +185,7 @@ bool same_rig(const Rig& a, const Rig& b) { return format_camchain(a) == format_
 LocalizerOptions localizer_options(const Config& config) {
   LocalizerOptions options;
   options.triggered = config.sync.triggered;
+  options.doubt_first_images = true;
   options.prior_max_age_s = config.solve.prior_max_age_s;
   options.gate.max_3sigma_m = config.solve.ok_sigma_m;
   options.gate.max_3sigma_rad = config.solve.ok_sigma_deg * kRadiansPerDegree;

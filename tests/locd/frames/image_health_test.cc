@@ -75,6 +75,35 @@ TEST(ImageHealth, ImagesFromBeforeAReloadAreKnownAfterIt) {
   EXPECT_TRUE(alerts.empty());
 }
 
+TEST(ImageHealth, WhereItIsNotKnownWhatWasGivenBeforeAFirstImageMayBeOld) {
+  ImageHealthOptions options;
+  for (const bool doubt : {false, true}) {
+    options.doubt_first_images = doubt;
+    ImageHealth health(2, options);
+    std::vector<Alert> alerts;
+    const auto tells_nothing = [&](int number) {
+      health.look(1, wall(number).view(), Stamp{0}, alerts);
+      return health.repeated() != 0;
+    };
+    EXPECT_EQ(tells_nothing(7), doubt);
+    EXPECT_TRUE(tells_nothing(7)) << "frozen since before the start";
+    EXPECT_FALSE(tells_nothing(8)) << "another proves that it is not";
+    EXPECT_TRUE(alerts.empty());
+  }
+}
+
+TEST(ImageHealth, OfACameraThatIsKnownNoFirstImageIsDoubtedAfterAReload) {
+  ImageHealthOptions options;
+  options.doubt_first_images = true;
+  ImageHealth before(1, options);
+  std::vector<Alert> alerts;
+  before.look(0, wall(1).view(), Stamp{0}, alerts);
+  ImageHealth after(1, options);
+  after.remember_images_of(before);
+  after.look(0, wall(2).view(), Stamp{1}, alerts);
+  EXPECT_EQ(after.repeated(), 0U);
+}
+
 TEST(ImageHealth, AFrozenCameraIsNamedAnewAfterAReload) {
   ImageHealth before(1);
   std::vector<Alert> alerts;

@@ -349,6 +349,22 @@ TEST(Localizer, WhatWasGivenBeforeAReloadMakesNoPoseAfterIt) {
   EXPECT_NE(estimate.status, PoseStatus::lost) << "new ones";
 }
 
+TEST(Localizer, WhatAFrozenCameraGivesFirstAfterARestartMakesNoPose) {
+  RoomDrive drive(test::make_room(usual(60)));
+  const MarkerMap map = test::room_map(drive.room());
+  LocalizerOptions options;
+  options.doubt_first_images = true;
+  Localizer localizer(drive.room().rig, map, options);
+  PoseEstimate estimate;
+  const auto status_of = [&](std::size_t set) {
+    localizer.localize(drive.set(set), estimate);
+    return estimate.status;
+  };
+  EXPECT_EQ(status_of(9), PoseStatus::lost) << "may be of before";
+  EXPECT_EQ(status_of(9), PoseStatus::lost) << "is of before";
+  EXPECT_NE(status_of(10), PoseStatus::lost);
+}
+
 TEST(LocalizerOptions, TellWhichFieldLiesOutsideItsRange) {
   EXPECT_TRUE(LocalizerOptions{}.check());
   const auto said = [](const auto& change) {
