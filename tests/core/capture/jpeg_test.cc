@@ -209,6 +209,54 @@ TEST(Jpeg, MoreScansThanProgramsWriteAreRefused) {
   }
 }
 
+/// Grey, the constant part in its first scan and three frequencies in each of the others but the
+/// last, which has the rest.
+std::string jpeg_of_scans(const GrayImage& image, int scans) {
+  jpeg_compress_struct info{};
+  jpeg_error_mgr errors{};
+  info.err = jpeg_std_error(&errors);
+  jpeg_create_compress(&info);
+  unsigned char* buffer = nullptr;
+  unsigned long size = 0;  // NOLINT: libjpeg's type
+  jpeg_mem_dest(&info, &buffer, &size);
+  info.image_width = static_cast<JDIMENSION>(image.width_px);
+  info.image_height = static_cast<JDIMENSION>(image.height_px);
+  info.input_components = 1;
+  info.in_color_space = JCS_GRAYSCALE;
+  jpeg_set_defaults(&info);
+  std::vector<jpeg_scan_info> script(static_cast<std::size_t>(scans));
+  for (int i = 0; i < scans; ++i) {
+    jpeg_scan_info& scan = script[static_cast<std::size_t>(i)];
+    scan.comps_in_scan = 1;
+    scan.Ss = i == 0 ? 0 : 3 * i - 2;
+    scan.Se = i == 0 ? 0 : i == scans - 1 ? 63 : 3 * i;
+  }
+  info.scan_info = script.data();
+  info.num_scans = scans;
+  jpeg_start_compress(&info, TRUE);
+  for (int y = 0; y < image.height_px; ++y) {
+    std::vector<std::uint8_t> samples(image.row(y), image.row(y) + image.width_px);
+    JSAMPROW row = samples.data();
+    jpeg_write_scanlines(&info, &row, 1);
+  }
+  jpeg_finish_compress(&info);
+  std::string bytes(reinterpret_cast<const char*>(buffer), size);
+  jpeg_destroy_compress(&info);
+  std::free(buffer);
+  return bytes;
+}
+
+TEST(Jpeg, OfTwentyScansItIsReadOfTwentyOneItIsNot) {
+  const GrayImage image = test_pattern(40, 24);
+  const auto loaded = decode_jpeg(jpeg_of_scans(image, 20));
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  const auto usual = decode_jpeg(jpeg_of_scans(image, 2));
+  EXPECT_EQ(loaded->image.pixels, usual->image.pixels);
+  const auto refused = decode_jpeg(jpeg_of_scans(image, 21));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("more than 20 scans"));
+}
+
 TEST(Jpeg, BytesBehindTheLastPixelAreAllowed) {
   const std::string plain = *encode_jpeg(test_pattern(40, 24).view(), 95);
   for (const std::string& padding : {std::string(1, '\0'), std::string(37, '\x11')}) {
