@@ -65,6 +65,11 @@ void add_estimation_options(CLI::App& app, BuildOptions& options) {
       ->capture_default_str();
 }
 
+void add_edges_option(CLI::App& app, bool& correct_edges) {
+  app.add_flag("--correct-edges", correct_edges,
+               "measure in the images how far edges are seen inside the black, and correct it");
+}
+
 void add_threads_option(CLI::App& app, int& threads) {
   app.add_option("--threads", threads, "threads; 0 = all processors; never changes the result")
       ->check(number_in(kThreads));
@@ -79,6 +84,7 @@ void add_rules_options(CLI::App& app, FindingRules& rules) {
 /// A capture, or videos in its place; shared by build and localize.
 void add_input_options(CLI::App& app, CaptureInput& input) {
   app.add_flag("--redetect", input.detect.redetect, "detect even where detections.csv exists");
+  add_edges_option(app, input.detect.correct_edges);
   app.add_option("--rig", input.rig_yaml, "for videos: Kalibr camchain");
   app.add_option("--markers", input.markers_toml, "for videos: families and sizes (markers.toml)");
   app.add_option("--every", input.video.every, "for videos: take one of so many frames")
@@ -94,6 +100,7 @@ Command add_detect(CLI::App& app, Progress& progress) {
   auto options = std::make_shared<DetectOptions>();
   sub->add_option("CAPTURE", options->capture, "capture folder")->required();
   sub->add_option("-o,--output", options->output, "default: CAPTURE/detections.csv");
+  add_edges_option(*sub, options->correct_edges);
   add_rules_options(*sub, options->rules);
   add_threads_option(*sub, options->threads);
   return [options, &progress] { return run_detect(*options, progress, std::cout, std::cerr); };

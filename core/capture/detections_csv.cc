@@ -357,9 +357,12 @@ Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path,
 }
 
 std::string format_detections_csv(const std::vector<ImageDetections>& images, const Rig& rig,
-                                  const MarkerCatalog& catalog, const std::string& detector) {
+                                  const MarkerCatalog& catalog, const std::string& detector,
+                                  const std::vector<std::string>& comments) {
   const bool with_covariances = every_detection_has_covariances(images);
-  std::string text = detections_csv_head(catalog, detector, with_covariances);
+  std::string text;
+  for (const std::string& comment : comments) text += "# " + comment + '\n';
+  text += detections_csv_head(catalog, detector, with_covariances);
   append_detections_csv_rows(images, rig, catalog, with_covariances, text);
   return text;
 }

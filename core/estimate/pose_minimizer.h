@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/estimate/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 #include "core/geometry/rigid3.h"
 
 namespace waymark {

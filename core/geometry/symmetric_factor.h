@@ -5,8 +5,8 @@
 namespace waymark {
 
 /// Factorization LDLᵀ of a symmetric matrix: Eigen's, compiled once, for it takes seconds of a
-/// build in every file that uses it. N is 3, 6, 7 or 12, or 8 for `solve`
-/// alone. No allocation.
+/// build in every file that uses it. N is 3, 6, 7, 12 or 21, or 8 and 9
+/// for `solve` alone. No allocation.
 template <int N>
 class SymmetricFactor {
  public:

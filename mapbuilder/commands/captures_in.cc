@@ -7,12 +7,22 @@
 #include "core/base/notes.h"
 #include "mapbuilder/diagnosis/input_findings.h"
 #include "mapbuilder/import/open_capture.h"
+#include "mapbuilder/observations/edge_correction.h"
 
 namespace waymark {
 namespace {
 
 void print_notes(const std::vector<std::string>& lines, std::ostream& notes) {
   for (const std::string& line : shown_notes(lines)) fmt::print(notes, "{}\n", note_line(line));
+}
+
+/// What was measured of each camera's edges, a line each; none where it was not asked for.
+std::vector<std::string> edge_lines(const DetectionReport& report, const Rig& rig) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < report.edges.size(); ++i) {
+    lines.push_back(edges_text(rig.cameras[i].name, report.edges[i]));
+  }
+  return lines;
 }
 
 bool is_file(const std::filesystem::path& path) {
@@ -33,6 +43,11 @@ Expected<TakenCaptures> take_videos_in(const CaptureInput& input, Progress& prog
     return fail(ErrorKind::usage,
                 "{}: a video needs both --rig and --markers; a capture is a folder",
                 std::find_if(input.paths.begin(), input.paths.end() - 1, is_file)->string());
+  }
+  if (input.detect.correct_edges) {
+    return fail(
+        ErrorKind::usage,
+        "--correct-edges reads images twice, a video once; make a capture folder of its frames");
   }
   DetectionReport report;
   auto detected = detect_videos({input.paths, *input.rig_yaml, *input.markers_toml, input.video},
@@ -73,6 +88,16 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
     auto detected = detect_capture(folder, input.detect, progress, report);
     if (!detected) return tl::make_unexpected(detected.error());
     print_report(folder.path.string(), report, notes);
+    if (input.detect.correct_edges && report.from_csv) {
+      fmt::print(notes,
+                 "note: {}: its corners stay as they are; --redetect --correct-edges reads "
+                 "the images\n",
+                 folder.detections_csv->string());
+    }
+    for (std::string& line : edge_lines(report, detected->rig)) {
+      fmt::print(notes, "{}\n", line);
+      taken.edges.push_back(std::move(line));
+    }
     const auto looks = look_at_images(folder, *detected, input.detect.threads, progress);
     for (Finding& finding : input_findings(*detected, looks)) {
       taken.findings.push_back(std::move(finding));

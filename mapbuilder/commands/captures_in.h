@@ -29,11 +29,13 @@ struct CaptureInput {
 struct TakenCaptures {
   std::vector<DetectedCapture> captures;
   std::vector<Finding> findings;
+  std::vector<std::string> edges;  ///< what was measured of each camera's edges, a line each
 };
 
 /// Opens captures or videos and makes or reads their detections; what the user should know goes to
 /// `notes`, a line each, at most 20 of a kind. Errors of open_capture, detect_capture and
-/// detect_videos; usage for a video without --rig and --markers.
+/// detect_videos; usage for a video without --rig and --markers, or
+/// whose edges are to be corrected.
 [[nodiscard]] Expected<TakenCaptures> take_captures_in(const CaptureInput& input,
                                                        Progress& progress, std::ostream& notes);
 

@@ -23,6 +23,7 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   DetectCaptureOptions detect;
   detect.redetect = true;
   detect.threads = options.threads;
+  detect.correct_edges = options.correct_edges;
   CaptureInput input;
   input.paths = {options.capture};
   input.detect = detect;
@@ -34,8 +35,8 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
     return tl::make_unexpected(refusal_of(output.string(), findings, "nothing was written"));
   }
   const DetectedCapture& capture = taken->captures.front();
-  const std::string text =
-      format_detections_csv(capture.images, capture.rig, capture.catalog, detector_name());
+  const std::string text = format_detections_csv(capture.images, capture.rig, capture.catalog,
+                                                 detector_name(), taken->edges);
   if (auto written = write_file_atomically(output, text); !written) return written;
   std::size_t markers = 0;
   for (const ImageDetections& image : capture.images) markers += image.detections.size();

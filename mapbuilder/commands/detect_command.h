@@ -10,11 +10,12 @@
 
 namespace waymark {
 
-/// `mapbuilder detect CAPTURE [-o DETECTIONS.csv]`
+/// `mapbuilder detect CAPTURE [-o DETECTIONS.csv] [--correct-edges]`
 struct DetectOptions {
   std::filesystem::path capture;
   std::optional<std::filesystem::path> output;  ///< default: detections.csv in the capture
   int threads = 0;
+  bool correct_edges = false;  ///< as in DetectCaptureOptions
   FindingRules rules;
 };
 

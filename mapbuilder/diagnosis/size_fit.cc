@@ -7,7 +7,7 @@
 #include "core/base/median.h"
 #include "core/base/parallel.h"
 #include "core/base/range.h"
-#include "core/estimate/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 #include "core/geometry/symmetric_factor.h"
 #include "core/marker/marker_geometry.h"
 #include "mapbuilder/diagnosis/view_placement.h"

@@ -9,6 +9,7 @@
 #include "core/capture/detections_csv.h"
 #include "core/capture/image_file.h"
 #include "core/marker/image_families.h"
+#include "mapbuilder/observations/edge_correction.h"
 
 namespace waymark {
 namespace {
@@ -179,7 +180,11 @@ Expected<DetectedCapture> detect_capture(const CaptureFolder& capture,
                                          const DetectCaptureOptions& options, Progress& progress,
                                          DetectionReport& report) {
   if (capture.detections_csv && !options.redetect) return from_csv(capture, report);
-  return from_images(capture, options, progress, report);
+  auto detected = from_images(capture, options, progress, report);
+  if (detected && options.correct_edges) {
+    report.edges = correct_edges(capture, *detected, options.threads, progress);
+  }
+  return detected;
 }
 
 }  // namespace waymark

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
 #include "core/capture/capture_folder.h"
+#include "core/detect/edge_bias.h"
 #include "core/detect/image_detector.h"
 #include "mapbuilder/observations/detected_capture.h"
 
@@ -15,6 +17,9 @@ namespace waymark {
 struct DetectCaptureOptions {
   bool redetect = false;  ///< detect in the images even where detections.csv lies beside them
   int threads = 0;        ///< 0 = all processors; never changes the result
+  /// Measure how far edges are seen inside the black and move corners outward (edge_correction);
+  /// of detections.csv, whose images are not read, corners stay as they are.
+  bool correct_edges = false;
 };
 
 /// What happened to a capture's images.
@@ -23,7 +28,9 @@ struct DetectionReport {
   std::size_t images = 0;      ///< seen, whether or not something was found in them
   std::size_t unreadable = 0;  ///< skipped: damaged, or of another size than rig.yaml says
   std::size_t detections = 0;
-  DetectionCounts counts;             ///< of images, not of a CSV
+  DetectionCounts counts;  ///< of images, not of a CSV
+  /// Each camera's edges where they were asked for; nullopt: its markers do not tell.
+  std::vector<std::optional<EdgeBias>> edges;
   std::vector<std::string> warnings;  ///< one line each, ready to print
 };
 

@@ -24,7 +24,7 @@ inline std::string scene_rig_yaml() {
 }
 
 /// A 320×240 image of tag36h11 markers 1 and 2 side by side, 70 px wide; `step` moves the camera.
-inline GrayImage scene_image(int step) {
+inline GrayImage scene_image(int step, const testing::RenderOptions& options = {}) {
   CameraParameters parameters;
   parameters.width_px = 320;
   parameters.height_px = 240;
@@ -45,7 +45,7 @@ inline GrayImage scene_image(int step) {
     view.azimuth_rad = 0.3 * number;
     marker.cam_from_marker = testing::pose_seen_as(camera, view, marker.size_m);
   }
-  return testing::render_markers(camera, markers, {});
+  return testing::render_markers(camera, markers, options);
 }
 
 }  // namespace waymark

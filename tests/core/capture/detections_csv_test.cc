@@ -193,6 +193,18 @@ TEST_F(DetectionsCsv, CovariancesAreWrittenOnlyWhenEveryDetectionHasThem) {
   EXPECT_THAT(format_detections_csv(images, rig_, catalog_, "x"), HasSubstr("sxx0"));
 }
 
+TEST_F(DetectionsCsv, CommentsHeadTheFileAndChangeNothing) {
+  const DetectionsTable table =
+      good("t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n5,cam0,3,1,1,2,1,2,2,1,2\n");
+  const std::string text =
+      format_detections_csv(table.images, rig_, catalog_, "x", {"cam0: edges", "cam1: edges"});
+  EXPECT_TRUE(text.starts_with("# cam0: edges\n# cam1: edges\n# detector=x"));
+  const DetectionsTable again = good(text);
+  EXPECT_EQ(again.detector, "x");
+  EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "x"),
+            format_detections_csv(table.images, rig_, catalog_, "x"));
+}
+
 TEST_F(DetectionsCsv, StaleFileIsAnError) {
   const std::string text = format_detections_csv({}, rig_, catalog_, "x");
   EXPECT_TRUE(read(text));

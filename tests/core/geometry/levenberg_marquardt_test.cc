@@ -1,4 +1,4 @@
-#include "core/estimate/levenberg_marquardt.h"
+#include "core/geometry/levenberg_marquardt.h"
 
 #include <gtest/gtest.h>
 

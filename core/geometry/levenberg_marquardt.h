@@ -14,7 +14,7 @@ struct NormalEquations {
   Eigen::Matrix<double, N, N> hessian = Eigen::Matrix<double, N, N>::Zero();   ///< Σ Jᵀ w J
   Eigen::Matrix<double, N, 1> gradient = Eigen::Matrix<double, N, 1>::Zero();  ///< Σ Jᵀ w r
   double cost = 0;                                                             ///< Σ ρ, sigmas²
-  int corners = 0;  ///< that could be projected
+  int corners = 0;  ///< (or pixels) that could be evaluated
 };
 
 /// How Levenberg–Marquardt goes.
@@ -33,7 +33,7 @@ struct LocalOptimum {
 
 /// Levenberg–Marquardt over a few unknowns. `linearize(place)` gives the NormalEquations<N> there,
 /// `moved(place, step)` the place a step away; steps that raise the cost are taken back. nullopt
-/// when fewer than three corners can be projected at the start. No allocation.
+/// when fewer than three corners can be evaluated at the start. No allocation.
 template <int N, typename Place, typename Linearize, typename Moved>
 [[nodiscard]] std::optional<LocalOptimum<N, Place>> minimize(
     const Place& start, const LevenbergMarquardtOptions& options, const Linearize& linearize,
