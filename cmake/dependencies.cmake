@@ -12,6 +12,9 @@ pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 set_property(TARGET PkgConfig::LCM PROPERTY INTERFACE_COMPILE_OPTIONS "")
 pkg_check_modules(SODIUM REQUIRED IMPORTED_TARGET libsodium)
 pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
+# It has no pkg-config file.
+find_path(HPDF_INCLUDE_DIR hpdf.h REQUIRED)
+find_library(WAYMARK_HPDF hpdf REQUIRED)
 find_package(spdlog REQUIRED)
 # Only the video importer links FFmpeg's: each start of a program that does costs 70 MB and 0.1–0.2 s.
 pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)

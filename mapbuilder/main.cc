@@ -18,6 +18,7 @@
 #include "mapbuilder/commands/import_command.h"
 #include "mapbuilder/commands/info_command.h"
 #include "mapbuilder/commands/localize_command.h"
+#include "mapbuilder/commands/print_command.h"
 
 namespace waymark {
 namespace {
@@ -196,6 +197,33 @@ Command add_import(CLI::App& app) {
   return [options] { return run_import(*options, std::cout); };
 }
 
+Command add_print(CLI::App& app) {
+  auto* sub = app.add_subcommand("print", "make a PDF of markers, and markers.toml beside it");
+  auto options = std::make_shared<PrintOptions>();
+  auto advice = std::make_shared<PrintAdviceOptions>();
+  auto* advise = sub->add_flag("--advise", advice->asked, "say which size a rig's cameras need");
+  sub->add_option("--rig", advice->rig, "with --advise: rig.yaml")->needs(advise);
+  sub->add_option("--range-m", advice->range_m, "with --advise: farthest a marker is read, m")
+      ->needs(advise);
+  sub->add_option("--family", options->families, "such as tag36h11; once, or once per --ids")
+      ->allow_extra_args(false)
+      ->excludes(advise);
+  sub->add_option("--ids", options->ids, "such as 0-199,205; again for another family or size")
+      ->allow_extra_args(false)
+      ->excludes(advise);
+  sub->add_option("--size-m", options->sizes_m, "edge of the black square; once, or per --ids")
+      ->allow_extra_args(false)
+      ->excludes(advise);
+  sub->add_option("--paper", options->paper, "a4, a3, letter, or width x height in mm")
+      ->capture_default_str();
+  sub->add_option("-o,--output", options->output, "PDF to write")->excludes(advise);
+  return [options, advice]() -> Status {
+    if (advice->asked) return run_print_advice(*advice, std::cout);
+    if (options->output.empty()) return fail(ErrorKind::usage, "print: -o FILE.pdf is required");
+    return run_print(*options, std::cout);
+  };
+}
+
 Command add_evaluate(CLI::App& app) {
   auto* sub = app.add_subcommand("evaluate", "compare a map with the truth");
   auto options = std::make_shared<EvaluateOptions>();
@@ -218,6 +246,7 @@ int run(int argc, char** argv) {
   commands["info"] = add_info(app);
   commands["export"] = add_export(app);
   commands["import"] = add_import(app);
+  commands["print"] = add_print(app);
   commands["evaluate"] = add_evaluate(app);
   try {
     app.parse(argc, argv);

@@ -7,6 +7,7 @@
 
 #include "core/base/text_field.h"
 #include "core/base/toml_text.h"
+#include "core/marker/id_range.h"
 #include "core/marker/nested_families.h"
 
 namespace waymark {
@@ -14,22 +15,6 @@ namespace {
 
 /// Nobody prints larger markers; a larger number is one in mm.
 constexpr double kMaxSize_m = 100.0;
-
-/// A run of ids, both ends included.
-struct IdRange {
-  int first;
-  int last;
-};
-
-/// "100" or "100-199".
-std::optional<IdRange> parse_id_range(std::string_view text) {
-  const auto dash = text.find('-');
-  const auto first = parse_whole<int>(trimmed(text.substr(0, dash)));
-  const auto last =
-      dash == std::string_view::npos ? first : parse_whole<int>(trimmed(text.substr(dash + 1)));
-  if (!first || !last || *first < 0 || *last < *first) return std::nullopt;
-  return IdRange{*first, *last};
-}
 
 /// Reads one catalog; `name` stands for the path in messages.
 class CatalogReader {
@@ -77,7 +62,8 @@ class CatalogReader {
   using FamilyEntry = MarkerCatalog::FamilyEntry;
 
   Expected<FamilyEntry> read_block(const toml::table& block) const {
-    if (const auto status = check_toml_keys(block, {"family", "size_m", "ignore", "sizes"}, name_);
+    if (const auto status =
+            check_toml_keys(block, {"family", "print_scale", "size_m", "ignore", "sizes"}, name_);
         !status) {
       return tl::make_unexpected(status.error());
     }
@@ -101,6 +87,12 @@ class CatalogReader {
       if (const auto status = read_sizes(*sizes, entry); !status) {
         return tl::make_unexpected(status.error());
       }
+    }
+    if (const toml::node* scale = block.get("print_scale")) {
+      const auto factor = read_print_scale(*scale);
+      if (!factor) return tl::make_unexpected(factor.error());
+      if (entry.default_size_m) *entry.default_size_m *= *factor;
+      for (auto& [id, size_m] : entry.size_m_by_id) size_m *= *factor;
     }
     if (!entry.default_size_m && entry.size_m_by_id.empty()) {
       return fail(ErrorKind::bad_data,
@@ -136,6 +128,20 @@ class CatalogReader {
                   toml_place(name_, node), kMaxSize_m);
     }
     return *size_m;
+  }
+
+  /// What the ruler of a printed sheet measures, by what it should.
+  Expected<double> read_print_scale(const toml::node& node) const {
+    constexpr double kLeast = 0.5;
+    constexpr double kMost = 2.0;
+    const auto scale = node.is_number() ? node.value<double>() : std::nullopt;
+    if (!scale || !(*scale >= kLeast && *scale <= kMost)) {
+      return fail(ErrorKind::bad_data,
+                  "{}: print_scale must be a number within {} and {}: the ruler's length as "
+                  "measured, by that as printed",
+                  toml_place(name_, node), kLeast, kMost);
+    }
+    return *scale;
   }
 
   Status read_sizes(const toml::node& sizes, FamilyEntry& entry) const {

@@ -28,7 +28,8 @@ MAY_INCLUDE = {
     "mapbuilder/diagnosis": ["mapbuilder/build"],
     "mapbuilder/evaluate": ["mapbuilder/build"],
     "mapbuilder/report": ["mapbuilder/diagnosis", "mapbuilder/evaluate"],
-    "mapbuilder/commands": ["mapbuilder/report"],
+    "mapbuilder/print": ["core/camera", "core/marker"],
+    "mapbuilder/commands": ["mapbuilder/report", "mapbuilder/print"],
     "simulator": ["core/capture"],
     "drivers": ["core/capture"],
     "locd": ["core/camera", "core/marker"],  # the words that all its rooms share
@@ -45,6 +46,7 @@ ONLY_IN = {
     r"opencv2/(videoio|imgcodecs|highgui)": [],
     r"lib(av|sw)[a-z]+/": ["mapbuilder/import"],
     r"ceres/": ["mapbuilder/bundle"],
+    r"hpdf": ["mapbuilder/print"],
     r"lcm/lcm": ["locd/publish"],
     r"CLI/": ["mapbuilder", "simulator", "locd/main.cc"],
 }

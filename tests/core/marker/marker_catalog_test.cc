@@ -43,6 +43,16 @@ TEST(MarkerCatalog, SizesByDefaultRangeAndList) {
   EXPECT_EQ(catalog.size_m(tag(221)), 0.30);
 }
 
+TEST(MarkerCatalog, PrintScaleMultipliesItsBlocksSizes) {
+  const MarkerCatalog catalog = parsed(
+      "[[markers]]\nfamily = \"tag36h11\"\nprint_scale = 0.5\nsize_m = 0.4\n"
+      "[[markers.sizes]]\nids = [7]\nsize_m = 1\n"
+      "[[markers]]\nfamily = \"tag25h9\"\nsize_m = 0.3\n");
+  EXPECT_EQ(catalog.size_m(tag(0)), 0.2);
+  EXPECT_EQ(catalog.size_m(tag(7)), 0.5);
+  EXPECT_EQ(catalog.size_m({Family::tag25h9, 0}), 0.3);
+}
+
 TEST(MarkerCatalog, MarkersOutsideItHaveNoSize) {
   const MarkerCatalog catalog = parsed(kMixedSizes);
   EXPECT_EQ(catalog.size_m({Family::tag36h10, 0}), std::nullopt);
@@ -134,6 +144,12 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         BadInput{"Empty", "", "no [markers] block"},
         BadInput{"NotToml", "[markers\n", "line 1: not valid TOML"},
+        BadInput{"PrintScaleTooSmall", "[markers]\nfamily='tag36h11'\nsize_m=1\nprint_scale=0.49\n",
+                 "print_scale"},
+        BadInput{"PrintScaleTooLarge", "[markers]\nfamily='tag36h11'\nsize_m=1\nprint_scale=2.01\n",
+                 "print_scale"},
+        BadInput{"PrintScaleNan", "[markers]\nfamily='tag36h11'\nsize_m=1\nprint_scale=nan\n",
+                 "print_scale"},
         BadInput{"MarkersNoTable", "markers = 3\n", "no [markers] block"},
         BadInput{"NoFamily", "[markers]\nsize_m = 0.1\n", "no family"},
         BadInput{"UnknownFamily", "[markers]\nfamily = \"tag99\"\nsize_m = 0.1\n",

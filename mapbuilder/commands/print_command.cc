@@ -1,0 +1,176 @@
+#include "mapbuilder/commands/print_command.h"
+
+#include <fmt/ostream.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/atomic_file.h"
+#include "core/base/range.h"
+#include "core/camera/kalibr.h"
+#include "core/marker/id_range.h"
+#include "core/marker/marker_catalog.h"
+#include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/print/pdf_file.h"
+#include "mapbuilder/print/print_advice.h"
+#include "mapbuilder/print/sheet_layout.h"
+
+namespace waymark {
+namespace {
+
+constexpr Range kPrintedSize_m{0.005, 5};
+
+Expected<Family> family_named(const std::string& name) {
+  const auto family = family_from_name(name);
+  if (family && is_found_in_images(*family)) return *family;
+  std::vector<std::string_view> names;
+  for (const FamilyTraits& known : all_families()) {
+    if (is_found_in_images(known.family)) names.push_back(known.name);
+  }
+  return fail(ErrorKind::usage, "--family {}: can't be printed; it is one of {}", name,
+              fmt::join(names, ", "));
+}
+
+Expected<std::vector<int>> numbers_of(const std::string& ids, Family family) {
+  std::vector<int> numbers;
+  for (std::size_t begin = 0; begin <= ids.size();) {
+    const auto end = std::min(ids.find(',', begin), ids.size());
+    const auto range = parse_id_range(std::string_view(ids).substr(begin, end - begin));
+    if (!range) {
+      return fail(ErrorKind::usage, "--ids {}: write ids and ranges such as 0-199,205", ids);
+    }
+    if (range->last >= traits(family).id_count) {
+      return fail(ErrorKind::usage, "--ids {}: {} has the ids 0 to {} only", ids, name_of(family),
+                  traits(family).id_count - 1);
+    }
+    for (int id = range->first; id <= range->last; ++id) numbers.push_back(id);
+    begin = end + 1;
+  }
+  return numbers;
+}
+
+/// The k-th of values that are given once for all, or once each.
+template <typename Value>
+const Value& of_batch(const std::vector<Value>& values, std::size_t k) {
+  return values.size() == 1 ? values.front() : values[k];
+}
+
+Expected<std::vector<MarkerBatch>> batches_of(const PrintOptions& options) {
+  const std::size_t count = options.ids.size();
+  const auto fits = [&](std::size_t values) { return values == 1 || values == count; };
+  if (count == 0 || !fits(options.families.size()) || !fits(options.sizes_m.size())) {
+    return fail(ErrorKind::usage,
+                "print: give --ids, and --family and --size-m once for all or as often as --ids");
+  }
+  std::vector<MarkerBatch> batches;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto family = family_named(of_batch(options.families, k));
+    if (!family) return tl::make_unexpected(family.error());
+    auto numbers = numbers_of(options.ids[k], *family);
+    if (!numbers) return tl::make_unexpected(numbers.error());
+    const double size_m = of_batch(options.sizes_m, k);
+    if (!kPrintedSize_m.contains(size_m)) {
+      return fail(ErrorKind::usage, "--size-m {}: must lie within {} and {} m", size_m,
+                  kPrintedSize_m.low, kPrintedSize_m.high);
+    }
+    batches.push_back({*family, std::move(*numbers), size_m});
+  }
+  return batches;
+}
+
+/// markers.toml of what is printed; usage where one id would have two sizes.
+Expected<MarkerCatalog> catalog_of(const std::vector<MarkerBatch>& batches) {
+  std::vector<MarkerCatalog::FamilyEntry> entries;
+  for (const MarkerBatch& batch : batches) {
+    auto entry = std::find_if(entries.begin(), entries.end(),
+                              [&](const auto& one) { return one.family == batch.family; });
+    if (entry == entries.end()) {
+      entries.push_back({batch.family, {}, {}, {}});
+      entry = entries.end() - 1;
+    }
+    for (const int number : batch.numbers) {
+      const auto [known, added] = entry->size_m_by_id.emplace(number, batch.size_m);
+      if (!added && known->second != batch.size_m) {
+        return fail(ErrorKind::usage, "--ids: {} {} would have two sizes, {} and {} m",
+                    name_of(batch.family), number, known->second, batch.size_m);
+      }
+    }
+  }
+  return MarkerCatalog(std::move(entries));
+}
+
+/// Whether a markers.toml that is there states what is printed.
+Status check_states(const MarkerCatalog& there, const std::filesystem::path& path,
+                    const std::vector<MarkerBatch>& batches) {
+  for (const MarkerBatch& batch : batches) {
+    for (const int number : batch.numbers) {
+      const auto size_m = there.size_m({batch.family, number});
+      constexpr double kSame = 0.05;  // a print_scale may stand in between
+      if (size_m && std::abs(*size_m / batch.size_m - 1) < kSame) continue;
+      return fail(
+          ErrorKind::bad_data,
+          "{}: states {} for {} {}, and {} m is to be printed; correct it, or name a file in "
+          "another folder",
+          path.string(), size_m ? fmt::format("{} m", *size_m) : "no size", name_of(batch.family),
+          number, batch.size_m);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Status run_print(const PrintOptions& options, std::ostream& out) {
+  const auto paper = paper_from_name(options.paper);
+  if (!paper) return tl::make_unexpected(paper.error());
+  const auto batches = batches_of(options);
+  if (!batches) return tl::make_unexpected(batches.error());
+  const auto catalog = catalog_of(*batches);
+  if (!catalog) return tl::make_unexpected(catalog.error());
+  if (auto writable = check_writable(options.output); !writable) return writable;
+  const auto markers_toml = options.output.parent_path() / "markers.toml";
+  if (options.output.filename() == markers_toml.filename()) {
+    return fail(ErrorKind::usage, "-o {}: name a PDF; markers.toml is written beside it",
+                options.output.string());
+  }
+  std::error_code ignored;
+  const bool there = std::filesystem::exists(markers_toml, ignored);
+  if (there) {
+    const auto stated = read_marker_catalog(markers_toml);
+    if (!stated) return tl::make_unexpected(stated.error());
+    if (auto states = check_states(*stated, markers_toml, *batches); !states) return states;
+  }
+  const std::vector<Sheet> sheets = lay_out(*batches, *paper);
+  const auto pdf = pdf_of(sheets);
+  if (!pdf) return tl::make_unexpected(pdf.error());
+  if (auto written = write_file_atomically(options.output, *pdf); !written) return written;
+  if (!there) {
+    const std::string text =
+        "# Sizes are the black squares' outer edges (m) as printed. Where the ruler of a sheet is "
+        "not "
+        "as long\n# as it says, state what it measures by what it should beside the family, such "
+        "as "
+        "print_scale = 0.985.\n" +
+        format_marker_catalog(*catalog);
+    if (auto written = write_file_atomically(markers_toml, text); !written) return written;
+  }
+  std::size_t markers = 0;
+  for (const MarkerBatch& batch : *batches) markers += batch.numbers.size();
+  fmt::print(out, "{}: {} markers on {} sheets; sizes: {}{}\n", options.output.string(), markers,
+             sheets.size(), markers_toml.string(), there ? " (as it was)" : "");
+  fmt::print(out, "print at 100 %, not \"fit to page\", and measure a ruler\n");
+  return {};
+}
+
+Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out) {
+  if (!kAdviceRange_m.contains(options.range_m)) {
+    return fail(ErrorKind::usage, "--range-m {}: must lie within {} and {} m", options.range_m,
+                kAdviceRange_m.low, kAdviceRange_m.high);
+  }
+  const auto rig = read_camchain(options.rig);
+  if (!rig) return tl::make_unexpected(rig.error());
+  fmt::print(out, "{}", advice_text(print_advice(rig->rig, options.range_m), options.range_m));
+  return {};
+}
+
+}  // namespace waymark
