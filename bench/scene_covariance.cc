@@ -1,12 +1,13 @@
 #include "bench/scene_covariance.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "core/base/check.h"
 #include "core/estimate/corner_residual.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -31,20 +32,27 @@ Eigen::MatrixXd world_motions(const std::vector<Rigid3>& poses) {
   return motions;
 }
 
+/// (AᵀA)⁻¹ of six columns.
+Matrix6d gram_inverse(const Eigen::MatrixXd& columns) {
+  return SymmetricFactor<6>(columns.transpose() * columns).inverse();
+}
+
 /// The motions of the world that least squares over positions finds in each displacement:
 /// (GᵀN)⁻¹ Gᵀ δ; then GᵀN = GᵀG, for G is N without the rotations' rows.
 Eigen::MatrixXd fitted_motions(const Eigen::MatrixXd& motions,
                                const Eigen::MatrixXd& displacements) {
   Eigen::MatrixXd positions = motions;
   for (Eigen::Index i = 0; i < positions.rows(); i += 6) positions.middleRows<3>(i + 3).setZero();
-  const Matrix6d normal = positions.transpose() * positions;
-  return normal.ldlt().solve(positions.transpose() * displacements);
+  return gram_inverse(positions) * (positions.transpose() * displacements);
 }
 
-/// Of the space that the columns span.
-Eigen::MatrixXd orthonormal_basis(const Eigen::MatrixXd& columns) {
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(columns).householderQ() *
-         Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+/// R with R Rᵀ = information⁻¹; nullopt where it has none.
+std::optional<Eigen::MatrixXd> root_of_inverse(const Eigen::MatrixXd& information) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(information);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd root = Eigen::MatrixXd::Identity(information.rows(), information.cols());
+  factor.matrixU().solveInPlace(root);
+  return root;
 }
 
 /// Root mean squares over poses of one column each of translations and rotations.
@@ -128,43 +136,40 @@ bool SceneCovariance::invert() {
   // Rigs are eliminated, for they meet each other only through markers.
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(markers, markers);
   root_ = Eigen::MatrixXd::Zero(size, size);
+  std::vector<Matrix6d> rig_covariance(rigs_);
   for (std::size_t rig = 0; rig < rigs_; ++rig) {
-    const Eigen::LLT<Matrix6d> factor(rig_information[rig]);
-    if (factor.info() != Eigen::Success) return false;
+    const auto own = root_of_inverse(rig_information[rig]);
+    if (!own) return false;
+    rig_covariance[rig] = *own * own->transpose();
     for (const Part* a : parts_of_rig[rig]) {
       information.block<6, 6>(row_of(a->marker), row_of(a->marker)) +=
           a->information.topLeftCorner<6, 6>();
-      const Matrix6d follows = factor.solve(a->information.bottomLeftCorner<6, 6>());
+      const Matrix6d follows = rig_covariance[rig] * a->information.bottomLeftCorner<6, 6>();
       for (const Part* b : parts_of_rig[rig]) {
         information.block<6, 6>(row_of(b->marker), row_of(a->marker)) -=
             b->information.topRightCorner<6, 6>() * follows;
       }
     }
-    Matrix6d own = Matrix6d::Identity();
-    factor.matrixU().solveInPlace(own);
-    root_.block<6, 6>(row_of(markers_ + rig), row_of(markers_ + rig)) = own;
+    root_.block<6, 6>(row_of(markers_ + rig), row_of(markers_ + rig)) = *own;
   }
 
   // Fixing the world's motions by a soft weight of the information's own size leaves everything
   // else as it is, for the information says nothing about them.
-  const Eigen::MatrixXd orthonormal = orthonormal_basis(world_motions_.topRows(markers));
+  const Eigen::MatrixXd motions = world_motions_.topRows(markers);
   information_ = information;
   const double weight = information.diagonal().mean();
-  information += weight * orthonormal * orthonormal.transpose();
-  const Eigen::LLT<Eigen::MatrixXd> factor(information);
-  if (factor.info() != Eigen::Success) return false;
-  Eigen::MatrixXd of_markers = Eigen::MatrixXd::Identity(markers, markers);
-  factor.matrixU().solveInPlace(of_markers);
+  information += weight * (motions * gram_inverse(motions)) * motions.transpose();
+  const auto of_markers = root_of_inverse(information);
+  if (!of_markers) return false;
   // A pose that nothing fixes passes Cholesky by rounding, with a variance beyond all reason.
   constexpr double kMostSigma = 10.0;  // m and rad
-  if (!(of_markers.rowwise().norm().maxCoeff() < kMostSigma)) return false;
-  root_.topLeftCorner(markers, markers) = of_markers;
+  if (!(of_markers->rowwise().norm().maxCoeff() < kMostSigma)) return false;
+  root_.topLeftCorner(markers, markers) = *of_markers;
   for (std::size_t rig = 0; rig < rigs_; ++rig) {
-    const Eigen::LLT<Matrix6d> rig_factor(rig_information[rig]);
     for (const Part* part : parts_of_rig[rig]) {
-      const Matrix6d follows = rig_factor.solve(part->information.bottomLeftCorner<6, 6>());
+      const Matrix6d follows = rig_covariance[rig] * part->information.bottomLeftCorner<6, 6>();
       root_.block(row_of(markers_ + rig), 0, 6, markers) -=
-          follows * of_markers.middleRows<6>(row_of(part->marker));
+          follows * of_markers->middleRows<6>(row_of(part->marker));
     }
   }
   return true;

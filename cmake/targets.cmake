@@ -54,6 +54,18 @@ function(waymark_source_options)
                                                         SKIP_PRECOMPILE_HEADERS ON)
 endfunction()
 
+# waymark_fast_sources(<source…>): single sources of the target that is being declared, for small matrices of fixed size as in a FAST
+# library, and with its precompiled header, which CMake itself would give to whole targets only.
+function(waymark_fast_sources)
+  set(options ${WAYMARK_FAST})
+  if(WAYMARK_PRECOMPILED_HEADERS AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    set(header ${PROJECT_BINARY_DIR}/CMakeFiles/waymark_precompiled_fast.dir/cmake_pch.hxx)
+    list(APPEND options -Winvalid-pch -include ${header})
+    set_source_files_properties(${ARGN} PROPERTIES OBJECT_DEPENDS ${header}.gch)
+  endif()
+  waymark_source_options(${options} SOURCES ${ARGN})
+endfunction()
+
 # waymark_library(<name> [FAST] SOURCES … PUBLIC … PRIVATE …): a static library, included from the top of the tree. FAST is for small
 # matrices of fixed size: -O3 inlines what -O2 calls.
 function(waymark_library name)

@@ -43,10 +43,7 @@ struct Error {
 
 /// What a program prints of the error with which it ends: "error [csv] room.csv: …" as a finding's
 /// line, or "mapbuilder: room.csv: …" where there is no cause.
-[[nodiscard]] inline std::string line_of(const Error& error, std::string_view program) {
-  if (error.cause) return fmt::format("error [{}] {}", name_of(*error.cause), error.message);
-  return fmt::format("{}: {}", program, error.message);
-}
+[[nodiscard]] std::string line_of(const Error& error, std::string_view program);
 
 template <typename T>
 using Expected = tl::expected<T, Error>;

@@ -5,6 +5,13 @@
 #include <Eigen/SVD>
 
 namespace waymark {
+namespace {
+
+/// Without the QR decomposition that only other matrices than square ones need.
+template <int N>
+using SquareSvd = Eigen::JacobiSVD<Eigen::Matrix<double, N, N>, Eigen::NoQRPreconditioner>;
+
+}  // namespace
 
 template <int N>
 SymmetricEigen<N> symmetric_eigen(const Eigen::Matrix<double, N, N>& symmetric) {
@@ -28,12 +35,12 @@ template Eigen::Vector3d symmetric_eigenvalues(const Eigen::Matrix3d&);
 template Vector6d symmetric_eigenvalues(const Matrix6d&);
 
 SingularVectors singular_vectors(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const SquareSvd<3> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return {svd.matrixU(), svd.matrixV()};
 }
 
 double largest_singular_value(const Eigen::Matrix2d& matrix) {
-  return Eigen::JacobiSVD<Eigen::Matrix2d>(matrix).singularValues()(0);
+  return SquareSvd<2>(matrix).singularValues()(0);
 }
 
 Matrix6d inverse(const Matrix6d& matrix) { return matrix.inverse(); }

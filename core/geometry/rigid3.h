@@ -19,33 +19,18 @@ struct Rigid3 {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   Eigen::Vector3d translation = Eigen::Vector3d::Zero();
 
-  [[nodiscard]] Rigid3 inverse() const {
-    const Eigen::Quaterniond r = rotation.conjugate();
-    return {r, -(r * translation)};
-  }
+  [[nodiscard]] Rigid3 inverse() const;
 
   /// T ⊞ δ; the rotation is renormalized.
-  [[nodiscard]] Rigid3 plus(const Vector6d& delta) const {
-    return {(so3_exp(delta.tail<3>()) * rotation).normalized(), translation + delta.head<3>()};
-  }
+  [[nodiscard]] Rigid3 plus(const Vector6d& delta) const;
 
   /// δ with from.plus(δ) = *this.
-  [[nodiscard]] Vector6d minus(const Rigid3& from) const {
-    Vector6d delta;
-    delta << translation - from.translation, so3_log(rotation * from.rotation.conjugate());
-    return delta;
-  }
+  [[nodiscard]] Vector6d minus(const Rigid3& from) const;
 };
 
-[[nodiscard]] inline Rigid3 operator*(const Rigid3& a_from_b, const Rigid3& b_from_c) {
-  return {(a_from_b.rotation * b_from_c.rotation).normalized(),
-          a_from_b.rotation * b_from_c.translation + a_from_b.translation};
-}
+[[nodiscard]] Rigid3 operator*(const Rigid3& a_from_b, const Rigid3& b_from_c);
 
-[[nodiscard]] inline Eigen::Vector3d operator*(const Rigid3& a_from_b,
-                                               const Eigen::Vector3d& x_in_b) {
-  return a_from_b.rotation * x_in_b + a_from_b.translation;
-}
+[[nodiscard]] Eigen::Vector3d operator*(const Rigid3& a_from_b, const Eigen::Vector3d& x_in_b);
 
 /// d(b_from_a ∘ T)'s tangent / d(T's tangent) for a fixed left factor `b_from_a`: both parts turn
 /// with its rotation. Covariances transform as J Σ Jᵀ.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,9 +17,7 @@ enum class FrameKind : std::uint8_t {
 };
 
 /// An unknown covariance: NaN throughout, so that no computation takes it for a known one.
-[[nodiscard]] inline Matrix6d unknown_covariance() {
-  return Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN());
-}
+[[nodiscard]] Matrix6d unknown_covariance();
 
 /// One mapped marker.
 struct MapMarker {
@@ -37,7 +34,7 @@ struct MapMarker {
   double rms_px = 0;               ///< over the corners of accepted observations
   bool verified = false;           ///< seen from at least two views that agree
 
-  [[nodiscard]] bool covariance_known() const { return covariance.allFinite(); }
+  [[nodiscard]] bool covariance_known() const;
 };
 
 /// Markers connected by observations, in one world frame.

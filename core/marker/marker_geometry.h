@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 
 namespace waymark {
 
@@ -14,16 +13,9 @@ using ImageCorners = std::array<Eigen::Vector2d, 4>;
 
 /// Corner positions (m) in the marker frame: x right, y up, z out of the marker towards the viewer;
 /// `size_m` is the outer edge of the black border. Paper §III-C's P_m with s = size_m / 2.
-[[nodiscard]] inline std::array<Eigen::Vector3d, 4> marker_corners(double size_m) {
-  const double s = 0.5 * size_m;
-  return {{{-s, s, 0}, {s, s, 0}, {s, -s, 0}, {-s, -s, 0}}};
-}
+[[nodiscard]] std::array<Eigen::Vector3d, 4> marker_corners(double size_m);
 
 /// Area (px²) of the corners' quadrangle.
-[[nodiscard]] inline double area_px2(const ImageCorners& corners) {
-  const Eigen::Vector2d a = corners[2] - corners[0];
-  const Eigen::Vector2d b = corners[3] - corners[1];
-  return 0.5 * std::abs(a.x() * b.y() - a.y() * b.x());
-}
+[[nodiscard]] double area_px2(const ImageCorners& corners);
 
 }  // namespace waymark

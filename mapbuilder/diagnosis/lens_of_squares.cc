@@ -1,6 +1,5 @@
 #include "mapbuilder/diagnosis/lens_of_squares.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 #include "core/estimate/corner_residual.h"
 #include "core/estimate/ippe.h"
 #include "core/estimate/marker_observation.h"
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -250,10 +250,12 @@ class LensFit {
       if (weight <= 0) continue;
       Matrix6d pose = one->by_pose.transpose() * one->by_pose;
       pose.diagonal() *= 1.0 + damping;
-      const Eigen::LDLT<Matrix6d> factor(pose);
+      const SymmetricFactor<6> factor(pose);
       const Eigen::Matrix<double, 6, 8> cross = one->by_pose.transpose() * one->by_lens;
       eliminated[s].offset = factor.solve(one->by_pose.transpose() * one->residual);
-      eliminated[s].back = factor.solve(cross);
+      for (Eigen::Index k = 0; k < cross.cols(); ++k) {
+        eliminated[s].back.col(k) = factor.solve(cross.col(k));
+      }
       hessian += weight *
                  (one->by_lens.transpose() * one->by_lens - cross.transpose() * eliminated[s].back);
       gradient += weight * (one->by_lens.transpose() * one->residual -
@@ -261,7 +263,7 @@ class LensFit {
     }
     hessian.diagonal() *= 1.0 + damping;
     Step step;
-    step.lens = -hessian.ldlt().solve(gradient);
+    step.lens = -SymmetricFactor<8>(hessian).solve(gradient);
     for (std::size_t s = 0; s < squares_.size(); ++s) {
       step.poses.push_back(
           squares_[s].pose.plus(-(eliminated[s].offset + eliminated[s].back * step.lens)));

@@ -1,7 +1,8 @@
 #include "mapbuilder/diagnosis/rig_agreement.h"
 
-#include <Eigen/Cholesky>
 #include <cmath>
+
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -37,7 +38,7 @@ Rigid3 step(std::span<const Term> terms, const Rigid3& world_from_rig, double no
     hessian += weighted * jacobian;
     gradient += weighted * misfit;
   }
-  const Vector6d delta = hessian.ldlt().solve(gradient);
+  const Vector6d delta = SymmetricFactor<6>(hessian).solve(gradient);
   return delta.allFinite() ? world_from_rig.plus(delta) : world_from_rig;
 }
 

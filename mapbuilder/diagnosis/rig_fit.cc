@@ -1,10 +1,11 @@
 #include "mapbuilder/diagnosis/rig_fit.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "core/geometry/symmetric_factor.h"
 
 namespace waymark {
 namespace {
@@ -95,7 +96,7 @@ Extrinsics RigFit::fit(const CameraTracks& tracks, const Extrinsics& start, Free
         hessian[k].diagonal() += prior_;
         gradient[k] -= prior_.cwiseProduct(rig[k].minus(start[k]));
       }
-      const Vector6d delta = hessian[k].ldlt().solve(gradient[k]);
+      const Vector6d delta = SymmetricFactor<6>(hessian[k]).solve(gradient[k]);
       if (delta.allFinite()) rig[k] = rig[k].plus(delta);
     }
   }

@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
+#include <Eigen/QR>
 #include <random>
 
 #include "core/estimate/corner_residual.h"
+#include "core/geometry/decompositions.h"
 #include "tests/support/synthetic_room.h"
 
 namespace waymark {
@@ -84,15 +84,16 @@ TEST(SceneCovariance, IsThePseudoInverseAsAnAlignmentShowsIt) {
   const auto covariance = SceneCovariance::of(scene.geometry);
   ASSERT_TRUE(covariance.has_value());
 
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(whole_jacobian(scene.geometry), Eigen::ComputeThinV);
-  const Eigen::Index regular = svd.singularValues().size() - 6;
-  ASSERT_LT(svd.singularValues()[regular], 1e-6 * svd.singularValues()[regular - 1]);
-  const Eigen::MatrixXd root = svd.matrixV().leftCols(regular) *
-                               svd.singularValues().head(regular).cwiseInverse().asDiagonal();
+  // C = J⁺ J⁺ᵀ, with J⁺ = A⁺ that least squares of least norm applies.
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
+  decomposition.setThreshold(1e-10);
+  decomposition.compute(whole_jacobian(scene.geometry));
+  ASSERT_EQ(decomposition.rank(), decomposition.cols() - 6);
+  const Eigen::MatrixXd root = decomposition.pseudoInverse();
   // Small enough that the alignment is linear.
   constexpr double kSmall = 1e-4;
   double squares = 0;
-  for (Eigen::Index k = 0; k < regular; ++k) {
+  for (Eigen::Index k = 0; k < root.cols(); ++k) {
     const double rms_m =
         aligned_rms_m(scene.geometry.world_from_marker, kSmall * root.col(k).head(60)) / kSmall;
     squares += rms_m * rms_m;
@@ -132,7 +133,7 @@ TEST(SceneCovariance, ExpectationQuantilesAndChiSquareBelongTogether) {
 
   // Errors drawn from the covariance.
   const Eigen::MatrixXd joint = covariance->marker_covariance();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(joint);
+  const SymmetricEigen<Eigen::Dynamic> eigen = symmetric_eigen(joint);
   std::mt19937_64 engine(5);
   std::normal_distribution<double> normal;
   double sum = 0;
@@ -140,8 +141,8 @@ TEST(SceneCovariance, ExpectationQuantilesAndChiSquareBelongTogether) {
   for (int draw = 0; draw < kDraws; ++draw) {
     const Eigen::VectorXd z =
         Eigen::VectorXd::NullaryExpr(joint.rows(), [&] { return normal(engine); });
-    sum += covariance->marker_chi2(eigen.eigenvectors() *
-                                   (eigen.eigenvalues().cwiseMax(0).cwiseSqrt().asDiagonal() * z));
+    sum += covariance->marker_chi2(eigen.vectors *
+                                   (eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() * z));
   }
   const auto freedom = static_cast<double>(covariance->marker_freedom());
   EXPECT_EQ(freedom, 54);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include "core/geometry/symmetric_factor.h"
 #include "tests/support/expect_ranges.h"
 #include "tests/support/synthetic_room.h"
 
@@ -69,7 +70,7 @@ TEST(RigPoseSolver, CovarianceIsConsistentWithTheErrors) {
     ASSERT_TRUE(estimate);
     const Vector6d e = estimate->best.pose.minus(set.truth);
     ASSERT_TRUE(estimate->best.covariance);
-    sum += e.dot(estimate->best.covariance->ldlt().solve(e));
+    sum += e.dot(SymmetricFactor<6>(*estimate->best.covariance).solve(e));
   }
   const double mean = sum / options.frame_sets;
   EXPECT_NEAR(mean, 6.0, 2.576 * std::sqrt(12.0 / options.frame_sets));

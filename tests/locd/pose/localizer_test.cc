@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <set>
 
+#include "core/geometry/symmetric_factor.h"
 #include "tests/locd/pose/room_drive.h"
 
 namespace waymark {
@@ -39,7 +39,7 @@ TEST(Localizer, PosesAreWithinTheirCovariance) {
     ASSERT_EQ(estimate.status, PoseStatus::ok) << i << " reasons " << estimate.reasons;
     const Vector6d error = estimate.world_from_rig.minus(drive.room().world_from_rig[i]);
     EXPECT_LT(error.head<3>().norm(), 0.003);
-    nees += error.dot(estimate.covariance.ldlt().solve(error));
+    nees += error.dot(SymmetricFactor<6>(estimate.covariance).solve(error));
     EXPECT_NEAR(estimate.rms_px, 0.14, 0.08);
     EXPECT_EQ(estimate.outliers, 0);
     EXPECT_EQ(estimate.stamp, test::room_stamp(static_cast<int>(i)));

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/geometry/alignment.h"
+#include "core/geometry/symmetric_factor.h"
 #include "core/map/map_file.h"
 #include "mapbuilder/bundle/marker_covariances.h"
 #include "tests/mapbuilder/observations/room_observations.h"
@@ -282,7 +283,7 @@ TEST(MapBuilder, StoredCovariancesAreConsistent) {
     for (std::size_t i = 0; i < truth.size(); ++i) {
       const Eigen::Vector3d e = estimated[i] - *estimated_from_truth * truth[i];
       const Eigen::Matrix3d c = result.submaps[0].map.markers[i].covariance.topLeftCorner<3, 3>();
-      sum += e.dot(c.ldlt().solve(e));
+      sum += e.dot(SymmetricFactor<3>(c).solve(e));
       ++count;
     }
   }
