@@ -55,8 +55,9 @@ class MarkerCatalog {
 
 /// Reads markers.toml ([markers] or several [[markers]]); a block's print_scale multiplies its
 /// sizes. bad_data with line numbers for: unknown keys or families, sizes that are not positive and
-/// finite (or > 100 m), a print_scale outside 0.5–2, ids outside the family, an id in two ranges, a family in two blocks, two families of which one begins with the other,
-/// malformed ranges. no_input when absent.
+/// finite (or > 100 m), a print_scale outside 0.5–2, ids outside the family, an id in two ranges, a
+/// family in two blocks, two families of which one begins with the other, malformed ranges.
+/// no_input when absent.
 [[nodiscard]] Expected<MarkerCatalog> read_marker_catalog(const std::filesystem::path& path);
 [[nodiscard]] Expected<MarkerCatalog> parse_marker_catalog(std::string_view text,
                                                            const std::string& name);
