@@ -50,6 +50,11 @@ void Telemetry::keep_alive(Stamp now, PoseReason why) {
   send_pose(no_pose_, now);
 }
 
+Stamp Telemetry::next_keep_alive() const {
+  const std::lock_guard lock(mutex_);
+  return last_pose_ + kHeartbeat;
+}
+
 void Telemetry::send_pose(const PoseEstimate& estimate, Stamp now) {
   fill_pose(estimate, session_, clock_, now, pose_);
   pose_.seq = poses_++;

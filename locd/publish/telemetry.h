@@ -20,9 +20,9 @@ namespace waymark {
 /// and one send.
 class Telemetry {
  public:
-  /// Without a pose for so long, one is published that says so; less than 0.5 s by the service
-  /// loop's turn.
-  static constexpr Stamp kHeartbeat = std::chrono::milliseconds(390);
+  /// Without a pose for so long, one is published that says so; less than 0.5 s by what a thread
+  /// may wake up late.
+  static constexpr Stamp kHeartbeat = std::chrono::milliseconds(450);
 
   /// With a key poses are signed besides. The channels' prefix is_channel_prefix (checked).
   Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockReading& now,
@@ -33,6 +33,8 @@ class Telemetry {
   Stamp publish_pose(const PoseEstimate& estimate, Stamp now);
   /// Publishes LOST when the last pose is old; `why` there is none.
   void keep_alive(Stamp now, PoseReason why);
+  /// When keep_alive is to be called, unless a pose is published before.
+  [[nodiscard]] Stamp next_keep_alive() const;
   /// `map`: the one that it was found with.
   void publish_alert(const Alert& alert, const Rig& rig, const MapIdentity& map, Stamp now);
   /// An alert of the service itself: RELOAD, RECORDING, TIME …

@@ -45,7 +45,8 @@ class Daemon {
 
   /// Opens the control socket, restores the quarantine, starts the threads.
   [[nodiscard]] Status start();
-  /// What is due at `now` besides poses; call it every 100 ms or sooner.
+  /// What is due at `now` besides poses; call it every 100 ms, and when a pose is due
+  /// (telemetry().next_keep_alive()).
   void turn(Stamp now);
   /// Has the configuration read again, in a thread of its own. A later turn swaps map, tunables and
   /// recording budget, or says why it is refused whole. Of several requests the newest wins.

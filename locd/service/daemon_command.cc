@@ -6,6 +6,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <utility>
@@ -110,18 +111,19 @@ SignalRequests take_signals(int descriptor) {
 /// a request. A turn has at most one reload, however many signals come.
 Status serve(Daemon& daemon, int signals, std::optional<DeviceMonitor>& monitor) {
   bool reload = false;
-  for (Stamp due = monotonic_now();; due += kTurn) {
+  for (Stamp due = monotonic_now();;) {
     if (std::exchange(reload, false)) daemon.reload();
     daemon.turn(monotonic_now());
     if (daemon.refusal()) return tl::make_unexpected(*daemon.refusal());
-    for (Stamp left = due + kTurn - monotonic_now(); left > Stamp{0};
-         left = due + kTurn - monotonic_now()) {
+    // A pose that is due is not late by a turn.
+    due = std::min(due + kTurn, daemon.telemetry().next_keep_alive());
+    for (Stamp left = due - monotonic_now(); left > Stamp{0}; left = due - monotonic_now()) {
       pollfd watched[] = {{signals, POLLIN, 0},
                           {daemon.control_descriptor(), POLLIN, 0},
                           {monitor ? monitor->descriptor() : -1, POLLIN, 0}};
       const auto left_ms = std::chrono::ceil<std::chrono::milliseconds>(left).count();
       if (::poll(watched, 3, static_cast<int>(left_ms)) <= 0) continue;
-      if (watched[1].revents != 0) due = monotonic_now() - kTurn;
+      if (watched[1].revents != 0) due = monotonic_now();
       if (watched[2].revents != 0) take_device_events(monitor, daemon);
       const SignalRequests asked = take_signals(signals);
       if (asked.end) return {};

@@ -152,7 +152,8 @@ class DaemonTest : public testing::Test {
   /// Turns the service loop through `time`, ten times a second, as fast as it goes.
   void turn_for(Stamp time) {
     for (const Stamp end = now_ + time; now_ < end;) {
-      now_ += std::chrono::milliseconds(100);
+      const Stamp due = daemon_->telemetry().next_keep_alive();
+      now_ = std::max(now_, std::min(now_ + std::chrono::milliseconds(100), due));
       daemon_->turn(now_);
       if (systemd_) systemd_->listen();
       while (daemon_->telemetry().lcm()->handleTimeout(0) > 0) continue;

@@ -16,14 +16,15 @@ using testing::HasSubstr;
 TEST_F(DaemonTest, APoseGoesOutEveryHalfSecondWithoutFrames) {
   start();
   turn_for(seconds(10));
-  ASSERT_GE(poses_.size(), 20U);
+  ASSERT_GE(poses_.size(), 22U);
   for (std::size_t i = 0; i < poses_.size(); ++i) {
     EXPECT_EQ(poses_[i].status, pose_t::LOST);
     EXPECT_EQ(poses_[i].reasons, pose_t::NO_FRAMES);
     EXPECT_TRUE(std::isnan(poses_[i].x_m));
     EXPECT_EQ(poses_[i].seq, static_cast<std::int64_t>(i));
     if (i > 0) {
-      EXPECT_LE(poses_[i].utime - poses_[i - 1].utime, 501'000);
+      // A twentieth of a second is left for a thread that wakes up late.
+      EXPECT_LE(poses_[i].utime - poses_[i - 1].utime, 451'000);
     }
   }
 }
