@@ -7,6 +7,22 @@ namespace {
 
 constexpr double kUnprojectable = 1e4 * 1e4;  ///< sigmas²
 
+CornerChain chain_of(const ObservationGeometry& geometry) {
+  return {*geometry.camera, geometry.cam_from_rig, geometry.world_from_rig,
+          geometry.world_from_marker};
+}
+
+/// Corner i of an observation; false: it can't be projected.
+bool linearize(const MarkerObservation& observation, const CornerChain& chain, std::size_t i,
+               const Eigen::Vector3d& x_in_marker, LinearizedCorner& corner) {
+  const auto residual =
+      corner_residual(chain, x_in_marker, observation.corners_px[i], &corner.jacobians);
+  if (!residual) return false;
+  corner.residual_px = *residual;
+  corner.residual = observation.whitening[i] * *residual;
+  return true;
+}
+
 }  // namespace
 
 Status ObservationLoss::check() const {
@@ -53,35 +69,31 @@ double squared_residual(const MarkerObservation& observation, const CameraModel&
 
 std::optional<std::array<LinearizedCorner, 4>> linearize_corners(
     const MarkerObservation& observation, const ObservationGeometry& geometry, double size_factor) {
-  const CornerChain chain(*geometry.camera, geometry.cam_from_rig, geometry.world_from_rig,
-                          geometry.world_from_marker);
+  const CornerChain chain = chain_of(geometry);
   const auto x_in_marker = marker_corners(observation.size_m * size_factor);
   std::optional<std::array<LinearizedCorner, 4>> corners(std::in_place);
   for (std::size_t i = 0; i < 4; ++i) {
-    LinearizedCorner& corner = (*corners)[i];
-    const auto residual =
-        corner_residual(chain, x_in_marker[i], observation.corners_px[i], &corner.jacobians);
-    if (!residual) return std::nullopt;
-    corner.residual_px = *residual;
-    corner.residual = observation.whitening[i] * *residual;
+    if (!linearize(observation, chain, i, x_in_marker[i], (*corners)[i])) return std::nullopt;
   }
   return corners;
 }
 
 void add_observation(const MarkerObservation& observation, const ObservationGeometry& geometry,
                      const ObservationLoss& loss, FreePose free, PoseEquations& equations) {
-  const auto corners = linearize_corners(observation, geometry);
-  if (!corners) {
-    equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kUnprojectable);
-    return;
-  }
+  const CornerChain chain = chain_of(geometry);
+  const auto x_in_marker = marker_corners(observation.size_m);
   Matrix6d hessian = Matrix6d::Zero();
   Vector6d gradient = Vector6d::Zero();
   const double gross_px = gross_residual_px(*geometry.camera);
   bool gross = false;
   double s = 0;
   for (std::size_t i = 0; i < 4; ++i) {
-    const LinearizedCorner& corner = (*corners)[i];
+    // One at a time: to keep all four costs locd's solve a twentieth.
+    LinearizedCorner corner;
+    if (!linearize(observation, chain, i, x_in_marker[i], corner)) {
+      equations.cost += robust_cost(loss.loss, loss.scale_sigmas, kUnprojectable);
+      return;
+    }
     const Jacobian26 j =
         observation.whitening[i] *
         (free == FreePose::rig ? corner.jacobians.d_rig : corner.jacobians.d_marker);
