@@ -62,7 +62,7 @@ def start(world):
     for package_file in packages.glob("*.deb"):
         shutil.copy(package_file, world.share)
     (world.share / "bin").mkdir()
-    for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture"):
+    for tool in ("vm_listener", "vm_hold_thread", "vm_feed", "vm_capture", "vm_witness"):
         shutil.copy(world.paths[tool], world.share / "bin")
     print(world.boot())
     say("guest up")
