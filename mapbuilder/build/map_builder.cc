@@ -9,15 +9,22 @@
 namespace waymark {
 namespace {
 
-/// Every component grown and at rest, each in a world of its own.
-Estimate grown_components(const IncrementalMapper& mapper, Progress& progress) {
+/// Components as far as they have grown.
+struct GrownComponents {
+  Estimate estimate;
+  bool given_up = false;
+};
+
+/// Every component grown and at rest, each in a world of its own; none after one that is given up.
+GrownComponents grown_components(const IncrementalMapper& mapper, Progress& progress) {
   Estimate estimate(mapper.selection(), mapper.options().noise);
   for (const ComponentIndex c : mapper.selection().components().indices()) {
     estimate = mapper.grow(c, std::move(estimate), progress);
+    if (mapper.gives_up(c, estimate)) return {std::move(estimate), true};
     estimate = mapper.converge({{c}, {}}, std::move(estimate), progress).estimate;
     estimate = move_misplaced_subgraphs(mapper, c, std::move(estimate), progress);
   }
-  return estimate;
+  return {std::move(estimate), false};
 }
 
 /// The observations that the finished map rests on.
@@ -116,13 +123,17 @@ MarkerMap map_of(const Observations& observations, const std::vector<BuiltSubMap
 
 BuildResult build_map(const Selection& selection, const BuildOptions& options, Progress& progress) {
   const IncrementalMapper mapper(selection, options);
-  CalibratedEstimate calibrated =
-      calibrate(mapper, options, grown_components(mapper, progress), progress);
+  BuildResult result;
+  GrownComponents grown = grown_components(mapper, progress);
+  if (grown.given_up) {
+    result.given_up = true;
+    return result;
+  }
+  CalibratedEstimate calibrated = calibrate(mapper, options, std::move(grown.estimate), progress);
   std::vector<Component> components = finished_components(selection, calibrated);
   if (!std::all_of(components.begin(), components.end(), is_lone_sight)) {
     std::erase_if(components, is_lone_sight);
   }
-  BuildResult result;
   for (const Component& component : components) {
     result.submaps.push_back(built_submap_of(mapper, calibrated, options, component));
   }

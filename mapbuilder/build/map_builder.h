@@ -18,6 +18,7 @@ struct BuildResult {
   std::vector<FrameSetIndex> without_markers;  ///< without a usable observation
   CalibrationResult calibration;  ///< of all sub-maps: there is one rig file and one survey
   Estimate estimate;              ///< that the map was made of
+  bool given_up = false;  ///< GrowthOptions::give_up_sigma_px: then nothing else means anything
 
   /// What explains the images best, by which single detections are judged: the map's estimate or,
   /// where the rig file does not fit, that of a rig which was variable for a few steps.

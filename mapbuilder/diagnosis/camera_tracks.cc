@@ -21,10 +21,9 @@ Matrix6d floor_covariance() {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
-/// How surely the accepted observations of one image place its camera against the map's markers;
-/// nullopt where they don't.
+/// How surely the observations of one image place its camera against the map's markers; nullopt
+/// where they don't. What is far off hardly counts.
 std::optional<Matrix6d> information_of(const PreparedObservations& prepared,
-                                       const BuildResult& result,
                                        const std::map<MarkerIndex, Rigid3>& world_from_marker,
                                        FrameSetIndex image, const Rigid3& world_from_cam) {
   const Observations& observations = prepared.observations();
@@ -32,10 +31,11 @@ std::optional<Matrix6d> information_of(const PreparedObservations& prepared,
   for (const ObservationIndex index : prepared.selection().used_in(image)) {
     const Observation& o = observations[index];
     const auto marker = world_from_marker.find(o.marker);
-    if (marker == world_from_marker.end() || !result.estimate.accepts(index)) continue;
-    const RigCamera& camera = result.estimate.calibration.camera(observations, o);
+    if (marker == world_from_marker.end()) continue;
+    const CameraPlace& place = observations.cameras[o.camera];
+    const RigCamera& camera = observations.rigs[place.rig].cameras[place.in_rig];
     add_observation(prepared[index], {&camera.model, Rigid3{}, world_from_cam, marker->second},
-                    ObservationLoss{}, FreePose::rig, equations);
+                    ObservationLoss{Loss::tukey, 8.0}, FreePose::rig, equations);
   }
   if (equations.corners < 4) return std::nullopt;
   const Eigen::LDLT<Matrix6d> factor(equations.hessian);
@@ -48,33 +48,34 @@ std::optional<Matrix6d> information_of(const PreparedObservations& prepared,
 
 }  // namespace
 
-CameraTracks tracks_of(const Observations& mono, const BuildResult& result, CaptureIndex capture,
-                       const Rig& rig, Stamp sync_tolerance) {
+CameraTracks tracks_of(const LocalizedImages& localized, const Rig& rig, Stamp sync_tolerance) {
   CameraTracks tracks;
   for (const RigCamera& camera : rig.cameras) {
     tracks.cameras.push_back(camera.name);
     tracks.lenses.push_back(camera.model);
   }
-  if (result.submaps.empty()) return tracks;
-  const BuiltSubMap& submap = result.submaps.front();
+  const Observations& observations = localized.observations;
   std::map<MarkerIndex, Rigid3> world_from_marker;
-  for (const MarkerIndex m : mono.markers.indices()) {
-    for (const MapMarker& mapped : submap.map.markers) {
-      if (mapped.id == mono.markers[m]) world_from_marker.emplace(m, mapped.world_from_marker);
+  for (const MarkerIndex m : observations.markers.indices()) {
+    for (const MapMarker& mapped : localized.map.markers) {
+      if (mapped.id == observations.markers[m]) {
+        world_from_marker.emplace(m, mapped.world_from_marker);
+      }
     }
   }
-  const Selection selection(mono);
-  const PreparedObservations prepared(selection, result.estimate, 1);
+  const Selection selection(observations);
+  NoiseModel noise;
+  noise.model_sigma_px = localized.model_sigma_px;
+  const PreparedObservations prepared(selection, Estimate(selection, noise), 1);
   std::vector<StampedImage> images;
   std::vector<TrackedPlace> places;
-  for (const LocalizedFrameSet& localized : submap.trajectory) {
-    const ObservedFrameSet& set = mono.frame_sets[localized.frame_set];
-    if (set.capture != capture || !set.mono_camera) continue;
-    const auto information = information_of(prepared, result, world_from_marker,
-                                            localized.frame_set, localized.world_from_rig);
+  for (const LocalizedFrameSet& one : localized.trajectory) {
+    const ObservedFrameSet& set = observations.frame_sets[one.frame_set];
+    const auto information =
+        information_of(prepared, world_from_marker, one.frame_set, one.world_from_rig);
     if (!information) continue;
     images.push_back({*set.mono_camera, set.stamp});
-    places.push_back({localized.world_from_rig, *information});
+    places.push_back({one.world_from_rig, *information});
   }
   for (const FrameSet& set : group_into_frame_sets(images, sync_tolerance)) {
     CameraTracks::Instant instant;

@@ -7,7 +7,7 @@
 #include "core/camera/camera_model.h"
 #include "core/geometry/rigid3.h"
 #include "core/geometry/stamp.h"
-#include "mapbuilder/build/map_builder.h"
+#include "mapbuilder/diagnosis/mono_build.h"
 
 namespace waymark {
 
@@ -29,10 +29,9 @@ struct CameraTracks {
   std::vector<Instant> instants;     ///< by rising stamp
 };
 
-/// The tracks of one capture's cameras in the largest sub-map of a mono build, in which every image
-/// has a pose of its own, with the `rig` that it was built with. Instants are the capture's frame
-/// sets; ambiguous images have no place.
-[[nodiscard]] CameraTracks tracks_of(const Observations& mono, const BuildResult& result,
-                                     CaptureIndex capture, const Rig& rig, Stamp sync_tolerance);
+/// The tracks of a capture's cameras by its images, localized each on its own, with the `rig` that
+/// they were localized by. Instants are the capture's frame sets; ambiguous images have no place.
+[[nodiscard]] CameraTracks tracks_of(const LocalizedImages& localized, const Rig& rig,
+                                     Stamp sync_tolerance);
 
 }  // namespace waymark

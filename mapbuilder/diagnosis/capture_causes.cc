@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "mapbuilder/diagnosis/camera_tracks.h"
+#include "mapbuilder/diagnosis/fit_quality.h"
 #include "mapbuilder/diagnosis/lens_evidence.h"
 #include "mapbuilder/diagnosis/mono_build.h"
 #include "mapbuilder/diagnosis/print_shape.h"
@@ -38,112 +39,158 @@ void add_finding(Finding finding, std::vector<Finding>& findings) {
   findings.push_back(std::move(finding));
 }
 
-/// Holds where the cameras of each capture stood, in a mono build of `built`, against its rig. All
-/// of a capture's images at once fit to `joint_px`.
-void explain_rigs(const std::vector<DetectedCapture>& built, double joint_px,
-                  const BuildOptions& options, Progress& progress,
-                  std::vector<LensEvidence>& lenses, ExplainedCaptures& explained) {
-  // Each image on its own fits so much better than all together: the lenses are not to blame.
-  constexpr double kFitsAlone = 0.25;
-  const auto built_alone = build_mono(built, options, progress);
-  if (!built_alone) return;
-  const MonoBuild& mono = *built_alone;
-  if (mono.quality.contradicts() && mono.quality.joint_px >= kFitsAlone * joint_px) return;
-  for (const CaptureIndex c : mono.observations.captures.indices()) {
-    const std::size_t place = mono.observations.captures[c].place;
-    DetectedCapture& capture = explained.captures[place];
-    if (!has_a_rig(capture)) continue;
-    const CameraTracks tracks =
-        tracks_of(mono.observations, mono.result, c, built[place].rig, capture.sync_tolerance);
-    const auto explanation = explain_rig(tracks, capture.rig);
-    if (!explanation) {
-      if (auto finding = leave_out_unsynchronized(tracks, capture)) {
-        add_finding(*std::move(finding), explained.findings);
-      }
-      continue;
-    }
-    // A camera that merely stands elsewhere is left to the calibration's own judgement.
-    if (explanation->cause == Cause::rig_displaced) continue;
-    for (const RigExplanation& one : {*explanation, explanation->or_else()}) {
-      if (one.detail.empty()) continue;
-      Finding finding = finding_of(one, capture.rig);
-      finding.captures = {capture.name};
-      add_finding(std::move(finding), explained.findings);
-    }
-    put_right(*explanation, capture, lenses[place]);
-  }
-}
-
 /// Something is left that each image on its own does not fit either.
 bool is_poor(const FitQuality& mono) {
   constexpr double kWorse = 1.4;  // than corners are worth
   return mono.joint_px > kWorse * mono.own_px || mono.joint_px > kPoorFit_px;
 }
 
-/// The lenses of every capture's cameras, judged by their own images.
-std::vector<LensEvidence> lens_evidence_of(const std::vector<DetectedCapture>& captures,
-                                           const BuildOptions& options) {
-  std::vector<LensEvidence> lenses;
-  for (const DetectedCapture& capture : captures) lenses.push_back(lens_evidence(capture, options));
-  return lenses;
-}
-
-std::vector<DetectedCapture> with_fitted_lenses(std::vector<DetectedCapture> captures,
-                                                const std::vector<LensEvidence>& lenses) {
-  for (std::size_t c = 0; c < captures.size(); ++c) {
-    captures[c] = with_fitted_lenses(std::move(captures[c]), lenses[c]);
+class CaptureExplainer {
+ public:
+  CaptureExplainer(const std::vector<DetectedCapture>& captures, const LensesBySquares& lenses,
+                   const StatedBuild* build, const BuildOptions& options)
+      : captures_(captures),
+        few_(telling_images(captures)),
+        lenses_(lenses),
+        stated_(build),
+        options_(options),
+        evidence_(captures.size()) {
+    explained_.captures = captures;
   }
-  return captures;
-}
 
-/// Of prints and lenses, the one number that all markers share is asked first: it explains where it
-/// leaves nothing that lenses would have to, and no more than they leave with eight each.
-bool explain_prints(const MonoBuild& as_stated, const MonoBuild& with_lenses,
-                    const BuildOptions& options, ExplainedCaptures& explained) {
-  const auto shape = fit_print_shape(explained.captures, options);
-  constexpr double kSigmas = 5.0;
-  constexpr double kAlike = 1.1;
-  if (!shape || std::abs(shape->stretch) < kSigmas * shape->sigma || is_poor(shape->quality) ||
-      shape->quality.joint_px > kAlike * with_lenses.quality.joint_px) {
-    return false;
+  ExplainedCaptures explain() && {
+    const bool contradicted = contradict(lenses_);
+    if (!contradicted) take_mono();
+    if ((contradicted || is_poor(quality_)) && !explain_prints()) {
+      if (contradicted) take_mono(with_lenses_of_squares(captures_, lenses_));
+      take_lenses();
+    }
+    if (mono_) explain_rigs();
+    for (std::size_t c = 0; c < captures_.size(); ++c) {
+      for (Finding& finding : correct_lenses(evidence_[c], explained_.captures[c])) {
+        add_finding(std::move(finding), explained_.findings);
+      }
+    }
+    return std::move(explained_);
   }
-  explained.captures = with_square_prints(std::move(explained.captures), shape->stretch);
-  add_finding(finding_of(*shape, as_stated.quality), explained.findings);
-  return true;
-}
+
+ private:
+  /// Every image of the captures as stated on its own; where no rig joins images, the build as
+  /// stated is that.
+  void take_mono() {
+    const bool joined = std::any_of(captures_.begin(), captures_.end(), has_a_rig);
+    if (stated_ == nullptr || joined) return take_mono(captures_);
+    built_ = captures_;
+    mono_ = MonoBuild{stated_->observations, stated_->result};
+    judge_mono();
+  }
+
+  void take_mono(std::vector<DetectedCapture> captures) {
+    built_ = std::move(captures);
+    mono_ = build_mono(telling_images(built_), options_);
+    judge_mono();
+  }
+
+  void judge_mono() {
+    quality_ =
+        mono_ ? fit_quality(Selection(mono_->observations), mono_->result.estimate) : FitQuality{};
+  }
+
+  /// Of prints and lenses, the one number that all markers share is asked first: it explains where
+  /// it leaves nothing that lenses would have to, and no more than they leave with eight each.
+  bool explain_prints() {
+    constexpr double kAlike = 1.1;
+    const auto shape = fit_print_shape(few_);
+    if (!shape || shape->own_px > kAlike * own_px(lenses_)) return false;
+    auto square = with_square_prints(captures_, shape->stretch);
+    auto mono = build_mono(telling_images(square), options_);
+    if (!mono) return false;
+    const FitQuality quality = fit_quality(Selection(mono->observations), mono->result.estimate);
+    if (is_poor(quality)) return false;
+    add_finding(finding_of(*shape, quality, stated_own_px()), explained_.findings);
+    mono_ = std::move(mono);
+    quality_ = quality;
+    built_ = square;
+    explained_.captures = std::move(square);
+    return true;
+  }
+
+  /// What corners are worth by the stated lenses.
+  [[nodiscard]] double stated_own_px() const {
+    double worst = 0;
+    for (const auto& of_capture : lenses_) {
+      for (const auto& lens : of_capture) {
+        if (lens) worst = std::max(worst, lens->stated_px);
+      }
+    }
+    return worst;
+  }
+
+  /// Where cameras stood is told by lenses that fit their images, whatever is wrong with the stated
+  /// ones: exchanged cameras and turned images bend them, too.
+  void take_lenses() {
+    if (!mono_) return;
+    for (std::size_t c = 0; c < captures_.size(); ++c) {
+      evidence_[c] = lens_evidence(captures_[c], c, *mono_, options_);
+      built_[c] = with_fitted_lenses(captures_[c], evidence_[c]);
+    }
+    if (std::any_of(captures_.begin(), captures_.end(), has_a_rig)) take_mono(built_);
+  }
+
+  /// Holds where the cameras of each capture stood against its rig.
+  void explain_rigs() {
+    // Each image on its own fits so much better than all together: the lenses are not to blame.
+    constexpr double kFitsAlone = 0.25;
+    if (quality_.contradicts() &&
+        (stated_ == nullptr || quality_.joint_px >= kFitsAlone * stated_->joint_px)) {
+      return;
+    }
+    for (std::size_t c = 0; c < captures_.size(); ++c) {
+      if (has_a_rig(captures_[c])) explain_rig_of(c);
+    }
+  }
+
+  void explain_rig_of(std::size_t place) {
+    DetectedCapture& capture = explained_.captures[place];
+    const auto localized = localize_images(built_[place], *mono_, options_);
+    if (!localized) return;
+    const CameraTracks tracks = tracks_of(*localized, built_[place].rig, capture.sync_tolerance);
+    const auto explanation = explain_rig(tracks, capture.rig);
+    if (!explanation) {
+      if (auto finding = leave_out_unsynchronized(tracks, capture)) {
+        add_finding(*std::move(finding), explained_.findings);
+      }
+      return;
+    }
+    // A camera that merely stands elsewhere is left to the calibration's own judgement.
+    if (explanation->cause == Cause::rig_displaced) return;
+    for (const RigExplanation& one : {*explanation, explanation->or_else()}) {
+      if (one.detail.empty()) continue;
+      Finding finding = finding_of(one, capture.rig);
+      finding.captures = {capture.name};
+      add_finding(std::move(finding), explained_.findings);
+    }
+    put_right(*explanation, capture, evidence_[place]);
+  }
+
+  const std::vector<DetectedCapture>& captures_;
+  const std::vector<DetectedCapture> few_;
+  const LensesBySquares& lenses_;
+  const StatedBuild* stated_;
+  const BuildOptions& options_;
+  std::vector<LensEvidence> evidence_;
+  std::vector<DetectedCapture> built_;  ///< what mono_ was made of
+  std::optional<MonoBuild> mono_;
+  FitQuality quality_;  ///< of mono_, once lenses are taken of its examination
+  ExplainedCaptures explained_;
+};
 
 }  // namespace
 
-ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures, double joint_px,
-                                   const BuildOptions& options, Progress& progress) {
-  // So many of each camera's images tell lenses and prints; where cameras stood, all do.
-  constexpr std::size_t kImages = 60;
-  ExplainedCaptures explained{captures, {}};
-  std::vector<LensEvidence> lenses(captures.size());
-  std::vector<DetectedCapture> built = captures;
-  const auto few = build_mono(thinned(captures, kImages), options, progress);
-  if (!few) return explained;
-  if (is_poor(few->quality)) {
-    // Where cameras stood is told by lenses that fit their images, whatever is wrong with the
-    // stated ones: exchanged cameras and turned images bend them, too.
-    lenses = lens_evidence_of(captures, options);
-    built = with_fitted_lenses(captures, lenses);
-    const auto fitted = build_mono(thinned(built, kImages), options, progress);
-    if (!fitted) return explained;
-    if (explain_prints(*few, *fitted, options, explained)) {
-      lenses.assign(captures.size(), {});
-      built = explained.captures;
-    }
-  }
-  if (std::any_of(captures.begin(), captures.end(), has_a_rig)) {
-    explain_rigs(built, joint_px, options, progress, lenses, explained);
-  }
-  for (std::size_t c = 0; c < captures.size(); ++c) {
-    for (Finding& finding : correct_lenses(lenses[c], explained.captures[c])) {
-      add_finding(std::move(finding), explained.findings);
-    }
-  }
-  return explained;
+ExplainedCaptures explain_captures(const std::vector<DetectedCapture>& captures,
+                                   const LensesBySquares& lenses, const StatedBuild* build,
+                                   const BuildOptions& options) {
+  return CaptureExplainer(captures, lenses, build, options).explain();
 }
 
 }  // namespace waymark

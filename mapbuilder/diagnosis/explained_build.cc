@@ -68,6 +68,10 @@ Finding other_place(const std::string& kept, const std::string& other) {
   return finding;
 }
 
+/// A rig whose map misses by that is looked into before it is built to the end: cameras' places a
+/// few centimetres or degrees off make less, inverted and exchanged ones ten and more.
+constexpr double kHopeless_px = kLargestModelSigmaOfOneCamera;
+
 class ExplainedBuilder {
  public:
   ExplainedBuilder(const std::vector<DetectedCapture>& captures, Observations observations,
@@ -88,11 +92,7 @@ class ExplainedBuilder {
   }
 
   Expected<ExplainedBuild> build() {
-    build_plainly();
-    if (auto parted = part_places(); !parted) return tl::make_unexpected(parted.error());
-    if (is_contradicted(*plain_, quality_)) {
-      if (auto explained = explain(); !explained) return tl::make_unexpected(explained.error());
-    }
+    if (auto explained = explain(); !explained) return tl::make_unexpected(explained.error());
     if (!options_.survey.empty()) {
       if (auto held = hold_survey_against_it(); !held) return tl::make_unexpected(held.error());
     }
@@ -106,11 +106,18 @@ class ExplainedBuilder {
   }
 
  private:
-  void build_plainly() {
+  /// Given up where it misses by a model sigma (px) beyond `give_up_px`.
+  void build_plainly(double give_up_px = kLargestModelSigma) {
     const Selection selection(build_.observations);
-    plain_ = build_map(selection, as_stated_, progress_);
-    quality_ = fit_quality(selection, *plain_);
-    if (!stated_px_) stated_px_ = quality_.joint_px;
+    BuildOptions options = as_stated_;
+    options.growth.give_up_sigma_px = give_up_px;
+    plain_ = build_map(selection, options, progress_);
+    if (plain_->given_up) {
+      quality_ = {0, give_up_px};
+      return;
+    }
+    quality_ = fit_quality(selection, plain_->estimate);
+    if (!stated_px_ && build_.causes.empty()) stated_px_ = quality_.joint_px;
   }
 
   /// Makes what the captures put right show.
@@ -134,7 +141,6 @@ class ExplainedBuilder {
   /// Leaves out captures that the map of all does not hold, where their markers stand otherwise to
   /// each other than those of the capture that it holds best.
   Status part_places() {
-    if (captures_.size() < 2) return {};
     constexpr double kHolds = 0.7;
     const std::vector<double> held = held_shares(build_.observations, *plain_);
     const auto best =
@@ -162,9 +168,29 @@ class ExplainedBuilder {
     return {};
   }
 
+  /// A lens that markers' own outlines contradict is looked at before anything is built by it.
   Status explain() {
-    ExplainedCaptures explained =
-        explain_captures(captures_, quality_.joint_px, as_stated_, progress_);
+    LensesBySquares lenses = judge_lenses(telling_images(captures_));
+    if (captures_.size() == 1 && contradict(lenses)) {
+      if (auto taken = take_what_explains(lenses, nullptr); !taken) return taken;
+      if (!build_.causes.empty()) return {};
+    }
+    if (captures_.size() > 1) {
+      build_plainly();
+      if (auto parted = part_places(); !parted) return parted;
+      lenses = judge_lenses(telling_images(captures_));
+    } else {
+      build_plainly(kHopeless_px);
+    }
+    if (!plain_->given_up && !is_contradicted(*plain_, quality_)) return {};
+    const StatedBuild stated{build_.observations, *plain_, quality_.joint_px};
+    if (auto taken = take_what_explains(lenses, &stated); !taken) return taken;
+    if (plain_ && plain_->given_up) build_plainly();
+    return {};
+  }
+
+  Status take_what_explains(const LensesBySquares& lenses, const StatedBuild* stated) {
+    ExplainedCaptures explained = explain_captures(captures_, lenses, stated, as_stated_);
     if (explained.findings.empty()) return {};
     for (Finding& finding : explained.findings) build_.causes.push_back(std::move(finding));
     return take(std::move(explained.captures));
@@ -198,7 +224,8 @@ class ExplainedBuilder {
 
   /// Whether the stated rig fits better with sizes so many times those stated, or worse.
   std::optional<bool> ask_baselines(double factor) {
-    if (observing_.mono || std::none_of(stated_.begin(), stated_.end(), has_baselines)) {
+    if (!stated_px_ || observing_.mono ||
+        std::none_of(stated_.begin(), stated_.end(), has_baselines)) {
       return std::nullopt;
     }
     std::vector<DetectedCapture> captures = stated_;
@@ -207,7 +234,7 @@ class ExplainedBuilder {
     if (!observations) return std::nullopt;
     const Selection selection(*observations);
     const double so_px =
-        fit_quality(selection, build_map(selection, as_stated_, progress_)).joint_px;
+        fit_quality(selection, build_map(selection, as_stated_, progress_).estimate).joint_px;
     // Less than a fifth better or worse says nothing.
     constexpr double kSays = 1.2;
     if (so_px * kSays < *stated_px_) return true;

@@ -44,27 +44,43 @@ std::optional<double> own_residual(const RigCamera& camera, const Observation& o
   return sum_of_squares(*residuals);
 }
 
+/// Squared residual (px²) by the estimate's poses; infinite where it has none.
+double joint_residual(const Observations& observations, const Estimate& estimate,
+                      const Observation& o) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  if (!estimate.posed(o)) return kFar;
+  MarkerObservation observation;
+  observation.size_m = estimate.calibration.sizes_m[o.marker];
+  observation.corners_px = corrected_corners(o, estimate.calibration);
+  const auto residuals =
+      corner_residuals(observation, estimate.calibration.camera(observations, o).model,
+                       cam_from_marker(observations, estimate, o));
+  return residuals ? sum_of_squares(*residuals) : kFar;
+}
+
 }  // namespace
 
-FitQuality fit_quality(const Selection& selection, const BuildResult& result) {
+FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
+                       std::optional<RigIndex> only) {
   const Observations& observations = selection.observations();
+  std::vector<ObservationIndex> judged;
+  for (const ObservationIndex index : selection.used()) {
+    if (!only || observations.cameras[selection[index].camera].rig == *only) {
+      judged.push_back(index);
+    }
+  }
   std::vector<double> own;
-  const auto used = selection.used();
-  const std::size_t every = 1 + used.size() / (kMaxJudged + 1);
-  for (std::size_t i = 0; i < used.size(); i += every) {
-    const Observation& o = selection[used[i]];
-    const CameraPlace& place = observations.cameras[o.camera];
-    const auto squared = own_residual(observations.rigs[place.rig].cameras[place.in_rig], o,
-                                      selection.stated_sizes_m()[o.marker]);
+  const std::size_t every = 1 + judged.size() / (kMaxJudged + 1);
+  for (std::size_t i = 0; i < judged.size(); i += every) {
+    const Observation& o = selection[judged[i]];
+    const auto squared = own_residual(estimate.calibration.camera(observations, o), o,
+                                      estimate.calibration.sizes_m[o.marker]);
     if (squared) own.push_back(*squared);
   }
   std::vector<double> joint;
-  for (const BuiltSubMap& submap : result.submaps) {
-    for (const ObservationResidual& residual : submap.residuals) {
-      joint.push_back(sum_of_squares(residual.corners_px));
-    }
+  for (const ObservationIndex index : judged) {
+    joint.push_back(joint_residual(observations, estimate, selection[index]));
   }
-  joint.resize(std::max(joint.size(), used.size()), std::numeric_limits<double>::infinity());
   return {sigma_of(std::move(own), kMedianOfChi2_2), sigma_of(std::move(joint), kMedianOfChi2_8)};
 }
 

@@ -1,12 +1,14 @@
 #pragma once
 
+#include <optional>
+
 #include "mapbuilder/build/map_builder.h"
 
 namespace waymark {
 
-/// How well a build fits its observations, beside how well each observation fits a pose of its own:
-/// the yardstick of what the corners are worth, whatever rig, clocks and map are. Per axis (px), by
-/// medians, so that a few wrong ids have no say; infinite where there is nothing to judge.
+/// How well an estimate fits its observations, beside how well each observation fits a pose of its
+/// own: the yardstick of what the corners are worth, whatever rig, clocks and map are. Per axis
+/// (px), by medians, so that a few wrong ids have no say; infinite where there is nothing to judge.
 struct FitQuality {
   double own_px = 0;    ///< of markers' own poses, two freedoms each
   double joint_px = 0;  ///< of all usable observations in the build, those without a pose as far
@@ -20,6 +22,8 @@ struct FitQuality {
 /// far from the stated one spoils markers' own poses, too.
 inline constexpr double kPoorFit_px = 0.4;
 
-[[nodiscard]] FitQuality fit_quality(const Selection& selection, const BuildResult& result);
+/// With the estimate's lenses and sizes; `only`: of one rig's observations.
+[[nodiscard]] FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
+                                     std::optional<RigIndex> only = {});
 
 }  // namespace waymark

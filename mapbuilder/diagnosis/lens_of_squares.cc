@@ -6,88 +6,28 @@
 #include <vector>
 
 #include "core/base/median.h"
-#include "core/estimate/corner_residual.h"
 #include "core/estimate/ippe.h"
-#include "core/estimate/marker_observation.h"
+#include "core/estimate/robust_loss.h"
 #include "core/geometry/symmetric_factor.h"
+#include "mapbuilder/diagnosis/square_equations.h"
 
 namespace waymark {
 namespace {
 
 using Vector8d = Eigen::Matrix<double, 8, 1>;
 using Matrix8d = Eigen::Matrix<double, 8, 8>;
-using Matrix86 = Eigen::Matrix<double, 8, 6>;
 
 constexpr std::size_t kFewest = 20;
 constexpr std::size_t kMost = 300;
 /// Squares that tell a start from another.
 constexpr std::size_t kCoarse = 80;
-/// Any size: poses of squares scale with it.
-constexpr double kSize_m = 1.0;
-
-std::vector<ImageCorners> thinned(std::span<const ImageCorners> squares, std::size_t most) {
-  std::vector<ImageCorners> kept;
-  const std::size_t count = std::min(most, squares.size());
-  for (std::size_t i = 0; i < count; ++i) kept.push_back(squares[i * squares.size() / count]);
-  return kept;
-}
-
-/// Residuals of a square in a pose with their derivatives.
-struct Linearized {
-  Vector8d residual;
-  Matrix86 by_pose;
-  Matrix8d by_lens;
-};
-
-std::optional<Linearized> linearize(const CameraModel& camera, const ImageCorners& square,
-                                    const Rigid3& cam_from_marker) {
-  Linearized all;
-  const CornerChain chain(camera, Rigid3{}, Rigid3{}, cam_from_marker);
-  const auto corners = marker_corners(kSize_m);
-  for (std::size_t i = 0; i < 4; ++i) {
-    CornerJacobians pose;
-    CalibrationJacobians lens;
-    const auto residual = corner_residual(chain, corners[i], square[i], &pose, &lens);
-    if (!residual) return std::nullopt;
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    all.residual.segment<2>(row) = *residual;
-    all.by_pose.middleRows<2>(row) = pose.d_marker;
-    all.by_lens.middleRows<2>(row) = lens.d_intrinsics;
-  }
-  return all;
-}
-
-/// Best pose of its own, from the better of the two that a square may have.
-std::optional<Rigid3> own_pose(const CameraModel& camera, const ImageCorners& square) {
-  const auto solutions = solve_ippe(camera, square, kSize_m);
-  if (!solutions) return std::nullopt;
-  constexpr int kIterations = 20;
-  const auto optimum =
-      minimize_pose(solutions->cam_from_marker[0], kIterations, [&](const Rigid3& pose) {
-        PoseEquations equations;
-        const auto all = linearize(camera, square, pose);
-        if (!all) return equations;
-        equations.hessian = all->by_pose.transpose() * all->by_pose;
-        equations.gradient = all->by_pose.transpose() * all->residual;
-        equations.cost = all->residual.squaredNorm();
-        equations.corners = 4;
-        return equations;
-      });
-  if (!optimum) return std::nullopt;
-  return optimum->pose;
-}
-
-double px_of(std::vector<double> squared) {
-  if (squared.empty()) return std::numeric_limits<double>::infinity();
-  return std::sqrt(upper_median(squared) / kMedianOfChi2_2);
-}
 
 /// Misfit of IPPE's poses, good enough to tell starts apart; a square that has no pose counts as
 /// one that fits badly.
 double roughly_px(const CameraModel& camera, std::span<const ImageCorners> squares) {
   std::vector<double> rms_px;
   for (const ImageCorners& square : squares) {
-    const auto solutions = solve_ippe(camera, square, kSize_m);
+    const auto solutions = solve_ippe(camera, square, 1.0);
     rms_px.push_back(solutions ? solutions->rms_px[0] : std::numeric_limits<double>::infinity());
   }
   return upper_median(rms_px);
@@ -153,7 +93,7 @@ class LensFit {
     double damping = 1e-3;
     double cost = cost_of(camera_, poses());
     for (int i = 0; i < kIterations && damping < 1e8; ++i) {
-      sigma_px_ = std::max(1e-3, px_of(squared(camera_, poses())));
+      sigma_px_ = std::max(1e-3, own_px_of(squared(camera_, poses())));
       cost = cost_of(camera_, poses());
       const Step step = solve(damping);
       const auto camera = CameraModel::create(moved(camera_.parameters(), step.lens));
@@ -172,7 +112,7 @@ class LensFit {
   }
 
   [[nodiscard]] LensOfSquares result() const {
-    return {camera_.parameters(), px_of(squared(camera_, poses()))};
+    return {camera_.parameters(), own_px_of(squared(camera_, poses()))};
   }
 
  private:
@@ -196,7 +136,7 @@ class LensFit {
                                             const std::vector<Rigid3>& poses) const {
     std::vector<double> all;
     for (std::size_t s = 0; s < squares_.size(); ++s) {
-      const auto one = linearize(camera, squares_[s].corners_px, poses[s]);
+      const auto one = linearize_square(camera, squares_[s].corners_px, poses[s]);
       all.push_back(one ? one->residual.squaredNorm() : std::numeric_limits<double>::infinity());
     }
     return all;
@@ -242,7 +182,7 @@ class LensFit {
     Vector8d gradient = prior.cwiseProduct(off_prior(camera_.parameters()));
     std::vector<Eliminated> eliminated(squares_.size());
     for (std::size_t s = 0; s < squares_.size(); ++s) {
-      const auto one = linearize(camera_, squares_[s].corners_px, squares_[s].pose);
+      const auto one = linearize_square(camera_, squares_[s].corners_px, squares_[s].pose);
       if (!one) continue;
       const double weight = robust_weight(Loss::tukey, kScale,
                                           one->residual.squaredNorm() / (sigma_px_ * sigma_px_)) /
@@ -276,41 +216,72 @@ class LensFit {
   double sigma_px_ = 1.0;
 };
 
-}  // namespace
-
-double own_misfit_px(const CameraModel& camera, std::span<const ImageCorners> squares) {
-  std::vector<double> squared;
-  for (const ImageCorners& square : thinned(squares, kMost)) {
-    const auto pose = own_pose(camera, square);
-    const auto one = pose ? linearize(camera, square, *pose) : std::nullopt;
-    if (one) squared.push_back(one->residual.squaredNorm());
-  }
-  return px_of(std::move(squared));
-}
-
-std::optional<LensOfSquares> lens_of_squares(const CameraParameters& stated,
-                                             std::span<const ImageCorners> squares) {
-  if (squares.size() < kFewest) return std::nullopt;
-  const std::vector<ImageCorners> few = thinned(squares, kCoarse);
+/// The starts that fit the squares best, roughly.
+std::vector<CameraModel> best_starts(const CameraParameters& stated,
+                                     std::span<const ImageCorners> squares) {
+  constexpr std::size_t kBest = 3;
   std::vector<std::pair<double, CameraModel>> starts;
-  for (const CameraParameters& start : starts_near(with_lens(stated))) {
+  for (const CameraParameters& start : starts_near(stated)) {
     if (auto model = CameraModel::create(start)) {
-      const double misfit_px = roughly_px(*model, few);
+      const double misfit_px = roughly_px(*model, squares);
       starts.emplace_back(misfit_px, *std::move(model));
     }
   }
   std::stable_sort(starts.begin(), starts.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  constexpr std::size_t kRefined = 3;
-  const std::vector<ImageCorners> many = thinned(squares, kMost);
+  std::vector<CameraModel> best;
+  for (const auto& start : starts) {
+    if (best.size() < kBest) best.push_back(start.second);
+  }
+  return best;
+}
+
+LensOfSquares fitted_to(const CameraModel& start, std::span<const ImageCorners> squares) {
+  LensFit fit(start, squares);
+  fit.run();
+  return fit.result();
+}
+
+}  // namespace
+
+double own_misfit_px(const CameraModel& camera, std::span<const ImageCorners> squares) {
+  std::vector<double> squared;
+  for (const ImageCorners& square : spread(squares, kMost)) {
+    const auto pose = own_pose(camera, square);
+    const auto one = pose ? linearize_square(camera, square, *pose) : std::nullopt;
+    if (one) squared.push_back(one->residual.squaredNorm());
+  }
+  return own_px_of(std::move(squared));
+}
+
+std::optional<LensOfSquares> lens_of_squares(const CameraParameters& stated,
+                                             std::span<const ImageCorners> squares) {
+  if (squares.size() < kFewest) return std::nullopt;
+  const std::vector<ImageCorners> many = spread(squares, kMost);
   std::optional<LensOfSquares> best;
-  for (std::size_t i = 0; i < std::min(kRefined, starts.size()); ++i) {
-    LensFit fit(starts[i].second, many);
-    fit.run();
-    const LensOfSquares found = fit.result();
+  for (const CameraModel& start : best_starts(with_lens(stated), spread(squares, kCoarse))) {
+    const LensOfSquares found = fitted_to(start, many);
     if (!best || found.own_px < best->own_px) best = found;
   }
   return best;
+}
+
+std::optional<LensBySquares> judge_lens(const CameraModel& stated,
+                                        std::span<const ImageCorners> squares) {
+  if (squares.size() < kFewest) return std::nullopt;
+  LensBySquares judged;
+  judged.squares = squares.size();
+  const std::vector<ImageCorners> few = spread(squares, kCoarse);
+  judged.stated_px = own_misfit_px(stated, few);
+  const auto near = CameraModel::create(with_lens(stated.parameters()));
+  if (!near) return std::nullopt;
+  judged.best = fitted_to(*near, few);
+  // Where no camera near the stated one fits well, the way to the one that does may be barred.
+  constexpr double kDoubtful_px = 0.3;
+  if (!judged.contradicts() && judged.best.own_px < kDoubtful_px) return judged;
+  const auto anywhere = lens_of_squares(stated.parameters(), squares);
+  if (anywhere && anywhere->own_px < judged.best.own_px) judged.best = *anywhere;
+  return judged;
 }
 
 }  // namespace waymark

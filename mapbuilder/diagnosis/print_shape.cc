@@ -2,54 +2,87 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "core/estimate/robust_loss.h"
 #include "core/geometry/square_homography.h"
-#include "mapbuilder/diagnosis/mono_build.h"
+#include "mapbuilder/diagnosis/square_equations.h"
 
 namespace waymark {
 namespace {
 
-constexpr std::size_t kImages = 40;
+constexpr std::size_t kOutlines = 300;
 /// Printers scale by some percent; what is narrower is bent, or another thing.
 constexpr double kMost = 0.08;
+/// A stretch of fewer standard deviations is none.
+constexpr double kSigmas = 5.0;
 
-/// Squared misfit (px²) of a map of every image on its own, and what made it.
-struct Trial {
-  double stretch = 0;
-  double squared_px2 = std::numeric_limits<double>::infinity();
-  FitQuality quality;
-  std::size_t numbers = 0;  ///< measured
+/// An outline with the camera that saw it.
+struct Outline {
+  const CameraModel* camera;
+  ImageCorners corners_px;
 };
 
-Trial trial_of(const std::vector<DetectedCapture>& captures, double stretch,
-               const BuildOptions& options) {
-  Progress silent(false);
-  Trial trial;
-  trial.stretch = stretch;
-  const auto build = build_mono(with_square_prints(captures, stretch), options, silent);
-  if (!build || !std::isfinite(build->quality.joint_px)) return trial;
-  trial.quality = build->quality;
-  trial.squared_px2 = build->quality.joint_px * build->quality.joint_px;
-  trial.numbers = 8 * build->observations.usable;
-  return trial;
+std::vector<Outline> outlines_of(const std::vector<DetectedCapture>& captures) {
+  std::vector<Outline> outlines;
+  for (const DetectedCapture& capture : captures) {
+    for (std::size_t k = 0; k < capture.rig.cameras.size(); ++k) {
+      const auto seen = outlines_of(capture, k);
+      for (const ImageCorners& one : spread(seen, kOutlines)) {
+        outlines.push_back({&capture.rig.cameras[k].model, one});
+      }
+    }
+  }
+  return outlines;
 }
 
-/// Where the parabola through three trials, `step` apart, is least; nullopt where it has no bottom.
-struct Bottom {
-  double at = 0;
-  double curvature = 0;  ///< px² per squared stretch
+/// What an outline says of the stretch when its own pose has had its say.
+struct StretchEquation {
+  Eigen::Matrix<double, 8, 1> residual;    ///< px
+  Eigen::Matrix<double, 8, 1> by_stretch;  ///< px
 };
-std::optional<Bottom> bottom_of(const Trial& low, const Trial& middle, const Trial& high,
-                                double step) {
-  const double curvature =
-      (low.squared_px2 - 2 * middle.squared_px2 + high.squared_px2) / (2 * step * step);
-  if (!(curvature > 0) || !std::isfinite(curvature)) return std::nullopt;
-  const double slope = (high.squared_px2 - low.squared_px2) / (2 * step);
-  return Bottom{middle.stretch - slope / (2 * curvature), curvature};
+
+std::vector<StretchEquation> equations_at(const std::vector<Outline>& outlines, double stretch) {
+  std::vector<StretchEquation> all;
+  for (const Outline& outline : outlines) {
+    const ImageCorners square = as_square(outline.corners_px, stretch);
+    const auto pose = own_pose(*outline.camera, square);
+    const auto one = pose ? linearize_square(*outline.camera, square, *pose) : std::nullopt;
+    if (!one) continue;
+    const Matrix6d hessian = one->by_pose.transpose() * one->by_pose;
+    const Vector6d by_pose = hessian.ldlt().solve(one->by_pose.transpose() * one->by_stretch);
+    all.push_back({one->residual, one->by_stretch - one->by_pose * by_pose});
+  }
+  return all;
+}
+
+double left_px(const std::vector<StretchEquation>& equations) {
+  std::vector<double> squared;
+  for (const StretchEquation& one : equations) squared.push_back(one.residual.squaredNorm());
+  return own_px_of(std::move(squared));
+}
+
+/// A robust step of the stretch (Tukey's biweight at six times what corners are worth).
+PrintShape improved(const std::vector<StretchEquation>& equations, double stretch) {
+  constexpr double kScale = 6.0;
+  PrintShape shape;
+  shape.own_px = left_px(equations);
+  const double variance = std::max(1e-6, shape.own_px * shape.own_px);
+  double hessian = 0;
+  double gradient = 0;
+  for (const StretchEquation& one : equations) {
+    const double weight =
+        robust_weight(Loss::tukey, kScale, one.residual.squaredNorm() / variance) / variance;
+    hessian += weight * one.by_stretch.squaredNorm();
+    gradient += weight * one.by_stretch.dot(one.residual);
+  }
+  shape.stretch = hessian > 0 ? stretch - gradient / hessian : stretch;
+  shape.sigma = hessian > 0 ? 1.0 / std::sqrt(hessian) : std::numeric_limits<double>::infinity();
+  return shape;
 }
 
 }  // namespace
@@ -82,42 +115,33 @@ std::vector<DetectedCapture> with_square_prints(std::vector<DetectedCapture> cap
   return captures;
 }
 
-std::optional<PrintShape> fit_print_shape(const std::vector<DetectedCapture>& captures,
-                                          const BuildOptions& options) {
-  const std::vector<DetectedCapture> few = thinned(captures, kImages);
-  // Misfits grow with the square of what is left of a stretch: a parabola, first over the whole
-  // range, then near its bottom.
-  Trial middle = trial_of(few, 0, options);
-  const double squares_px2 = middle.squared_px2;
-  std::optional<Bottom> bottom;
-  for (const double step : {0.5 * kMost, 0.125 * kMost}) {
-    const Trial low = trial_of(few, middle.stretch - step, options);
-    const Trial high = trial_of(few, middle.stretch + step, options);
-    bottom = bottom_of(low, middle, high, step);
-    if (!bottom || std::abs(bottom->at) > kMost) return std::nullopt;
-    middle = trial_of(few, bottom->at, options);
-  }
-  if (middle.squared_px2 >= squares_px2) return std::nullopt;
+std::optional<PrintShape> fit_print_shape(const std::vector<DetectedCapture>& captures) {
+  const std::vector<Outline> outlines = outlines_of(captures);
+  constexpr int kSteps = 3;
   PrintShape shape;
-  shape.stretch = middle.stretch;
-  shape.sigma =
-      std::sqrt(middle.squared_px2 / (bottom->curvature * static_cast<double>(middle.numbers)));
-  shape.quality = middle.quality;
+  for (int step = 0; step < kSteps; ++step) {
+    const auto equations = equations_at(outlines, shape.stretch);
+    if (equations.empty()) return std::nullopt;
+    shape = improved(equations, shape.stretch);
+    if (!(std::abs(shape.stretch) <= kMost && std::abs(shape.stretch) > kSigmas * shape.sigma)) {
+      return std::nullopt;
+    }
+  }
   return shape;
 }
 
-Finding finding_of(const PrintShape& shape, const FitQuality& squares) {
+Finding finding_of(const PrintShape& shape, const FitQuality& stretched, double squares_px) {
   const double narrower = 100.0 * std::expm1(-std::abs(shape.stretch));
   Finding finding;
   finding.severity = Severity::error;
   finding.cause = Cause::print_not_square;
   finding.subject = "markers";
   finding.text = fmt::format(
-      "they are {:.1f} ± {:.1f} % {} in every view: printed not square (each image alone: {:.2f} "
-      "px as squares, {:.2f} px so).",
+      "they are {:.1f} ± {:.1f} % {} in every view: printed not square (each marker alone: {:.2f} "
+      "px as a square, {:.2f} px so; all together {:.2f} px so).",
       -narrower, std::max(0.1, 100.0 * shape.sigma),
-      shape.stretch < 0 ? "narrower than high" : "lower than wide", squares.joint_px,
-      shape.quality.joint_px);
+      shape.stretch < 0 ? "narrower than high" : "lower than wide", squares_px, shape.own_px,
+      stretched.joint_px);
   finding.remedy = "Measure both edges of a marker; print without scaling (\"actual size\").";
   finding.figures = {
       {"wider than high", 100.0 * std::expm1(shape.stretch), "%", 100.0 * shape.sigma}};

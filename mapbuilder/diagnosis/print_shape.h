@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "core/marker/marker_geometry.h"
-#include "mapbuilder/build/build_options.h"
 #include "mapbuilder/diagnosis/finding.h"
 #include "mapbuilder/diagnosis/fit_quality.h"
 #include "mapbuilder/observations/detected_capture.h"
@@ -19,19 +18,22 @@ namespace waymark {
 struct PrintShape {
   double stretch = 0;  ///< logarithm of width over height
   double sigma = 0;    ///< one standard deviation
-  FitQuality quality;  ///< of a map of squares so stretched, every image on its own
+  double own_px = 0;   ///< what corners are worth so, by markers' own poses
 };
 
-/// The stretch within ± 8 % by which the images fit best, each on its own; at most 40 images of
-/// each camera take part. nullopt where none fits better than squares.
+/// The stretch within ± 8 % by which markers' outlines fit poses of their own best, with the lenses
+/// as stated; at most 300 outlines of each camera take part. nullopt where squares do as well: less
+/// than five sigmas of stretch.
 [[nodiscard]] std::optional<PrintShape> fit_print_shape(
-    const std::vector<DetectedCapture>& captures, const BuildOptions& options);
+    const std::vector<DetectedCapture>& captures);
 
 /// The captures with their markers as if printed square.
 [[nodiscard]] std::vector<DetectedCapture> with_square_prints(std::vector<DetectedCapture> captures,
                                                               double stretch);
 
-/// As an error. `squares`: how squares fit.
-[[nodiscard]] Finding finding_of(const PrintShape& shape, const FitQuality& squares);
+/// As an error. How well every image on its own fits a map of prints so stretched, and what corners
+/// are worth as squares.
+[[nodiscard]] Finding finding_of(const PrintShape& shape, const FitQuality& stretched,
+                                 double squares_px);
 
 }  // namespace waymark

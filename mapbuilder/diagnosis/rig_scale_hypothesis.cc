@@ -23,7 +23,7 @@ Extrinsics scaled(const Extrinsics& rig, double factor) {
 LeastCost fitted_factor(const RigCase& rig) {
   constexpr double kMost = 7.6;  // a factor of 2,000
   constexpr double kStep = 0.08;
-  constexpr std::size_t kCoarse = 40;  // instants that tell the factor roughly
+  constexpr std::size_t kCoarse = 16;  // instants that tell the factor roughly
   const RigFit& fit = rig.fit();
   const std::size_t every = 1 + fit.judged().size() / (kCoarse + 1);
   const auto coarse = [&](double log_factor) {

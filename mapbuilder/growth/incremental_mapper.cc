@@ -164,6 +164,7 @@ Estimate IncrementalMapper::grow(ComponentIndex index, Estimate estimate,
         options_.growth.adjust_growth * static_cast<double>(adjusted_at) + 2.0) {
       estimate = adjust_growing(index, std::move(estimate));
       adjusted_at = placed;
+      if (gives_up(index, estimate)) break;
     }
     for (const FrameSetIndex frame_set : frame_sets_that_see(markers_of(next))) {
       if (estimate.world_from_rig[frame_set]) queue.take_pose_of(frame_set, estimate);
@@ -173,6 +174,17 @@ Estimate IncrementalMapper::grow(ComponentIndex index, Estimate estimate,
   }
   progress.end();
   return estimate;
+}
+
+bool IncrementalMapper::gives_up(ComponentIndex index, const Estimate& estimate) const {
+  // Fewer may hang together by a wrong id or two.
+  constexpr std::ptrdiff_t kFewest = 10;
+  const double sigma_px = estimate.components[index].noise.model_sigma_px;
+  if (sigma_px <= options_.growth.give_up_sigma_px) return false;
+  const auto& markers = component(index).markers;
+  return std::count_if(markers.begin(), markers.end(), [&](MarkerIndex m) {
+           return estimate.world_from_marker[m].has_value();
+         }) >= kFewest;
 }
 
 ReconsideredEstimate IncrementalMapper::reconsider(ComponentIndex index, Estimate estimate) const {

@@ -60,9 +60,13 @@ class IncrementalMapper {
   /// The whole of it for one component: seeds, then in rounds localizes every frame set that sees
   /// the map (Algorithm 1), places every marker that localized frame sets see, and adjusts as the
   /// map grows, until nothing is left that can be placed or localized. A pose that is still
-  /// ambiguous is kept with its runner-up until evidence decides.
+  /// ambiguous is kept with its runner-up until evidence decides. Ends early once gives_up().
   [[nodiscard]] Estimate grow(ComponentIndex component, Estimate estimate,
                               Progress& progress) const;
+
+  /// Whether a component that has grown to ten markers and more misses by so much that growth ends
+  /// (GrowthOptions::give_up_sigma_px).
+  [[nodiscard]] bool gives_up(ComponentIndex component, const Estimate& estimate) const;
 
   /// The frame of the component's seed is its world.
   [[nodiscard]] Estimate seed(ComponentIndex component, Estimate estimate) const;

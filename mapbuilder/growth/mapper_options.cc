@@ -14,6 +14,7 @@ Status GrowthOptions::check() const {
       .field("max_placement_views", max_placement_views, {2, 1000})
       .field("adjust_growth", adjust_growth, {1.05, 10.0})
       .field("explained_sigmas2", explained_sigmas2, {8.0, 100.0})
+      .field("give_up_sigma_px", give_up_sigma_px, {1.0, kLargestModelSigma})
       .status();
 }
 

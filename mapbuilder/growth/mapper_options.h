@@ -24,6 +24,9 @@ struct GrowthOptions {
   /// An unambiguous pose that costs at most this per observation (sigmas²) is not searched again:
   /// twice what Gaussian noise costs in eight residuals. (8–100)
   double explained_sigmas2 = 16.0;
+  /// Growth ends where what has grown misses by a model sigma beyond this (px), for whoever would
+  /// rather look for what all observations share that is wrong. (1–20) 20: never.
+  double give_up_sigma_px = kLargestModelSigma;
 
   /// usage, naming the first field that lies outside its range.
   [[nodiscard]] Status check() const;

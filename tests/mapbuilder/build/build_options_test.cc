@@ -47,7 +47,8 @@ TEST(BuildOptions, PartsAreHeldToTheirRanges) {
        ranged("firm_markers", &GrowthOptions::firm_markers, {1, 10}),
        ranged("max_placement_views", &GrowthOptions::max_placement_views, {2, 1000}),
        ranged("adjust_growth", &GrowthOptions::adjust_growth, {1.05, 10}),
-       ranged("explained_sigmas2", &GrowthOptions::explained_sigmas2, {8, 100})});
+       ranged("explained_sigmas2", &GrowthOptions::explained_sigmas2, {8, 100}),
+       ranged("give_up_sigma_px", &GrowthOptions::give_up_sigma_px, {1, kLargestModelSigma})});
   expect_ranges<PlacementOptions>(
       {ranged("score_scale_sigmas", &PlacementOptions::score_scale_sigmas, {5, 100}),
        ranged("max_refined", &PlacementOptions::max_refined, {2, 50}),

@@ -57,7 +57,7 @@ TEST(ExplainedBuild, SoundCapturesHaveNoCause) {
     EXPECT_THAT(build.causes, testing::IsEmpty());
     EXPECT_THAT(build.diagnosed.findings, testing::IsEmpty());
     const Selection selection(build.observations);
-    const FitQuality quality = fit_quality(selection, build.diagnosed.result);
+    const FitQuality quality = fit_quality(selection, build.diagnosed.result.estimate);
     EXPECT_NEAR(quality.own_px, 0.1, 0.03);
     EXPECT_NEAR(quality.joint_px, 0.1, 0.03);
     EXPECT_FALSE(quality.contradicts());

@@ -34,21 +34,19 @@ TEST(PrintShape, CornersOfASquareAreThoseOfTheStretchedPrintMovedInItsPlane) {
 
 TEST(PrintShape, AStretchIsFoundWithItsSign) {
   for (const double stretch : {0.97, 1.02}) {
-    const auto shape = fit_print_shape({seen(stretch)}, {});
+    const auto shape = fit_print_shape({seen(stretch)});
     ASSERT_TRUE(shape);
     EXPECT_NEAR(shape->stretch, std::log(stretch), 5 * shape->sigma + 0.0005);
-    EXPECT_LT(shape->quality.joint_px, 0.14);
-    const Finding finding = finding_of(*shape, FitQuality{0.1, 0.6});
+    EXPECT_LT(shape->sigma, 0.003);
+    EXPECT_NEAR(shape->own_px, 0.1, 0.02);
+    const Finding finding = finding_of(*shape, FitQuality{0.1, 0.1}, 0.6);
     EXPECT_EQ(finding.cause, Cause::print_not_square);
     EXPECT_THAT(finding.text,
                 testing::HasSubstr(stretch < 1 ? "narrower than high" : "lower than wide"));
   }
 }
 
-TEST(PrintShape, SquaresAreNotStretched) {
-  const auto shape = fit_print_shape({seen(1.0)}, {});
-  EXPECT_TRUE(!shape || std::abs(shape->stretch) < 5 * shape->sigma);
-}
+TEST(PrintShape, SquaresAreNotStretched) { EXPECT_FALSE(fit_print_shape({seen(1.0)})); }
 
 }  // namespace
 }  // namespace waymark

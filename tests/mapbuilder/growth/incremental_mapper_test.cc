@@ -51,6 +51,26 @@ TEST_F(Mapper, GrowsUntilEverythingIsPlacedAndConverges) {
   for (const auto& rig : converged.estimate.world_from_rig) EXPECT_TRUE(rig);
 }
 
+TEST(MapperThatGivesUp, StopsAtARigThatContradictsItsImagesAndAtNoOther) {
+  MapperOptions options;
+  options.growth.give_up_sigma_px = 3;
+  Progress silent(false);
+  for (const bool exchanged : {false, true}) {
+    test::SyntheticRoom room = noisy_room();
+    if (exchanged) {
+      std::swap(room.rig.cameras[0].rig_from_cam, room.rig.cameras[1].rig_from_cam);
+    }
+    const test::PreparedRoom known(room);
+    const IncrementalMapper mapper(known.selection, options);
+    const Estimate grown = mapper.grow(kAll, {known.selection, NoiseModel{}}, silent);
+    EXPECT_EQ(mapper.gives_up(kAll, grown), exchanged);
+    const auto placed =
+        std::count_if(grown.world_from_marker.begin(), grown.world_from_marker.end(),
+                      [](const auto& pose) { return pose.has_value(); });
+    EXPECT_EQ(placed == static_cast<std::ptrdiff_t>(grown.world_from_marker.size()), !exchanged);
+  }
+}
+
 TEST_F(Mapper, ReconsideringMovesAFlippedMarkerBackAndNoOther) {
   Estimate flipped = known.truth;
   const MarkerIndex m(7);
