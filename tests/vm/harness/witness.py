@@ -5,8 +5,6 @@ import json
 import pathlib
 
 RECORD = "/run/witness.jsonl"
-# What is to look each 0.05 s and did not for so long could not: the machine stood still.
-UNSEEN_S = 0.2
 
 
 class Witness:
@@ -33,7 +31,6 @@ class Witness:
             else:
                 self.samples.append(entry)
         self.times = [s["at_s"] for s in self.samples]
-        self.stalls += [(a, b) for a, b in zip(self.times, self.times[1:]) if b - a > UNSEEN_S]
 
     def between(self, begin, end):
         """Of a time: {what: s}, each moment once. stood_still: a processor ran nothing; at_work: a thread of locd's ran,
