@@ -18,6 +18,8 @@ CHANNEL = b"WAYMARK_SIGNED_POSE\0"
 # LCM's packet: a magic word, the packet's number, the channel's name.
 CHANNEL_BEGIN = 8
 PATIENCE_S = 60
+# What the example says of poses that took more than a second: of a machine that stands still now and then.
+OLD = "not believed: not of now"
 
 
 class Eavesdropper:
@@ -54,6 +56,10 @@ def lines_of(listener):
     return output.splitlines()
 
 
+def believed(lines):
+    return [line for line in lines if line.startswith("pose ")]
+
+
 def write_key(file, digits):
     file.touch(mode=0o600)
     file.write_text(digits + "\n", encoding="utf-8")
@@ -70,7 +76,7 @@ def main():
         with open(folder / "log", "wb") as log, hundred_sets.start(sys.argv[1], folder, log) as locd:
             try:
                 genuine = lines_of(listen(program, key, 20))
-                assert all(line.startswith("pose ") for line in genuine), genuine
+                assert believed(genuine) and len(believed(genuine)) + genuine.count(OLD) == 20, genuine
                 forged = lines_of(listen(program, another, 5))
                 assert forged == ["not believed: forged"] * 5, forged
                 # Played again, at once; with one bit changed; with its number raised.
@@ -78,16 +84,20 @@ def main():
                 listener = listen(program, key, 60)
                 packet = eavesdropper.signed_pose()
                 # Only who has heard a pose knows an older one.
-                first = listener.stdout.readline().rstrip("\n")
+                first = [listener.stdout.readline().rstrip("\n")]
+                while not first[-1].startswith("pose "):
+                    first.append(listener.stdout.readline().rstrip("\n"))
                 changed = packet[:-20] + bytes([packet[-20] ^ 1]) + packet[-19:]
                 seq_end = CHANNEL_BEGIN + len(CHANNEL) + 8 + 8  # after the type's hash
                 renumbered = packet[:seq_end - 2] + b"\x7f" + packet[seq_end - 1:]
                 for attack in (packet, changed, renumbered):
                     eavesdropper.send(attack)
-                said = [first, *lines_of(listener)]
-                assert said.count("not believed: played again") == 1, said
+                said = [*first, *lines_of(listener)]
+                again = said.count("not believed: played again")
                 assert said.count("not believed: forged") == 2, said
-                assert sum(line.startswith("pose ") for line in said) == 57, said
+                # On a machine that stood still meanwhile it is too old besides.
+                assert again == 1 or (again == 0 and OLD in said), said
+                assert len(believed(said)) + said.count(OLD) == 58 - again, said
             finally:
                 locd.terminate()
         assert locd.returncode == 0, (folder / "log").read_text(encoding="utf-8")
