@@ -254,6 +254,16 @@ double srgb_probability(const std::vector<const EdgeSample*>& samples) {
   return 1 / (1 + std::exp(cost(SensorResponse::srgb) - cost(SensorResponse::linear)));
 }
 
+/// Whether a camera can see edges so far off: sRGB moves them by 0.3 of the blur, print and
+/// blooming by some tenths of a pixel.
+bool is_plausible(const EdgeBias& bias, const std::vector<const EdgeSample*>& samples) {
+  constexpr double kPrint_px = 0.25;
+  constexpr double kOfBlur = 0.4;
+  const double blur = median_of(
+      samples, [](const EdgeSample& s) { return s.fits.of(SensorResponse::linear)->blur_px; });
+  return std::abs(bias.inset_px) <= kPrint_px + kOfBlur * blur;
+}
+
 }  // namespace
 
 std::optional<EdgeBias> edge_bias(std::span<const EdgeSample> samples,
@@ -267,6 +277,7 @@ std::optional<EdgeBias> edge_bias(std::span<const EdgeSample> samples,
   bias.markers = markers.size();
   const RobustMean mean = mean_inset(markers, bias.srgb_share);
   bias.inset_px = mean.value;
+  if (!is_plausible(bias, markers)) return std::nullopt;
   const double apart = mean_inset(markers, 1).value - mean_inset(markers, 0).value;
   const double open =
       bias.response

@@ -26,7 +26,9 @@ struct EdgeBias {
 
 /// A camera's edge bias from fitted markers (EDGES, Camera), `stated` where its response is known.
 /// Markers that are clipped or have cells below 3 px tell nothing of it. nullopt: fewer than eight
-/// are left. Depends on the samples' order in rounding alone.
+/// are left, or they lie farther inside than any response, blooming or print makes them (0.25 px
+/// and 0.4 of the blur): such are no prints of their family, borders that were cut for one. Depends
+/// on the samples' order in rounding alone.
 [[nodiscard]] std::optional<EdgeBias> edge_bias(
     std::span<const EdgeSample> samples, std::optional<SensorResponse> stated = std::nullopt);
 

@@ -136,8 +136,9 @@ std::vector<std::optional<EdgeBias>> correct_edges(const CaptureFolder& capture,
 std::string edges_text(const std::string& camera, const std::optional<EdgeBias>& bias) {
   if (!bias) {
     return fmt::format(
-        "{}: too few clear markers tell how far edges are seen inside the black; "
-        "its corners stay as they are",
+        "{}: its markers do not tell how far edges are seen inside the black (fewer than eight "
+        "clear "
+        "ones, or not as their family is printed); its corners stay as they are",
         camera);
   }
   const std::string response =

@@ -48,6 +48,13 @@ TEST(EdgeBias, ClippedAndSmallMarkersDoNotCount) {
   EXPECT_FALSE(edge_bias(samples));
 }
 
+TEST(EdgeBias, WhatNoCameraDoesIsNoBias) {
+  // At a blur of 0.4 px up to 0.25 + 0.16 px.
+  EXPECT_TRUE(edge_bias(std::vector<EdgeSample>(20, fitted(0.40, 0.40))));
+  EXPECT_FALSE(edge_bias(std::vector<EdgeSample>(20, fitted(0.42, 0.42))));
+  EXPECT_FALSE(edge_bias(std::vector<EdgeSample>(20, fitted(-0.42, -0.42))));
+}
+
 TEST(EdgeBias, FarOnesAreLeftOut) {
   std::vector<EdgeSample> samples;
   for (int i = 0; i < 20; ++i) samples.push_back(fitted(0.1 + 0.001 * (i % 5), 0.12));
