@@ -32,7 +32,7 @@ int main(int argc, char** argv) {
           trials.image.srgb = srgb;
           trials.image.psf_sigma_px = psf;
           trials.image.noise_grey = noise;
-          trials.image.seed = static_cast<std::uint64_t>(1 + cameras);
+          trials.image.seed = 1 + static_cast<std::uint64_t>(cameras);
           const auto edges = measure_edges(waymark::testing::trial_camera(), trials);
           ++cameras;
           if (!edges.measured) {

@@ -63,6 +63,7 @@ RobustMean tukey_mean(const std::vector<Weighed>& values) {
   constexpr double kBound = 4.0;
   constexpr int kRounds = 20;
   std::vector<double> sorted;
+  sorted.reserve(values.size());
   for (const Weighed& one : values) sorted.push_back(one.value);
   RobustMean mean;
   mean.value = upper_median(sorted);
@@ -123,6 +124,7 @@ RobustMean mean_inset(const std::vector<const EdgeSample*>& samples, double srgb
 template <typename Value>
 double median_of(const std::vector<const EdgeSample*>& samples, const Value& value) {
   std::vector<double> values;
+  values.reserve(samples.size());
   for (const EdgeSample* sample : samples) values.push_back(value(*sample));
   return upper_median(values);
 }
@@ -160,6 +162,7 @@ std::vector<BlurAndGrowth> by_image(const std::vector<const EdgeSample*>& sample
     growths.push_back(sample->fits.of(response)->growth_px);
   }
   std::vector<BlurAndGrowth> all;
+  all.reserve(images.size());
   for (auto& [image, values] : images) {
     all.push_back({upper_median(values.first), upper_median(values.second)});
   }
@@ -211,6 +214,7 @@ std::optional<SensorResponse> by_blur(const std::vector<const EdgeSample*>& samp
   std::vector<BlurAndGrowth> images = by_image(samples, SensorResponse::linear);
   if (images.size() < kLeastImages) return std::nullopt;
   std::vector<double> blurs;
+  blurs.reserve(images.size());
   for (const BlurAndGrowth& one : images) blurs.push_back(one.blur_px);
   std::sort(blurs.begin(), blurs.end());
   const double quartiles = blurs[blurs.size() * 3 / 4] - blurs[blurs.size() / 4];

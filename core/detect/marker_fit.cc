@@ -1,5 +1,6 @@
 #include "core/detect/marker_fit.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>

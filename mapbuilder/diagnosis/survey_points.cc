@@ -46,6 +46,7 @@ PointsOfMap points_on(const SubMap& map, const Survey& survey) {
 
 bool on_a_line(const std::vector<MeasuredPlace>& places) {
   std::vector<Eigen::Vector3d> points;
+  points.reserve(places.size());
   for (const MeasuredPlace& place : places) {
     points.push_back(place.world_from_marker * place.x_in_marker);
   }

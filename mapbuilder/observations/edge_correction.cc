@@ -101,6 +101,7 @@ std::vector<std::optional<EdgeBias>> biases_of(const DetectedCapture& detected,
     }
   }
   std::vector<std::optional<EdgeBias>> biases;
+  biases.reserve(samples.size());
   for (const auto& of_camera : samples) biases.push_back(edge_bias(of_camera));
   return biases;
 }

@@ -131,10 +131,10 @@ void lay_out_grid(const MarkerBatch& batch, const Paper& paper, const Grid& grid
       std::max(0.0, (paper.height_mm - kRulerStrip_mm - grid.rows * block.height_mm()) / 2);
   for (std::size_t i = 0; i < batch.numbers.size(); ++i) {
     const int place = static_cast<int>(i) % grid.count();
+    const int row = place / grid.columns;
     if (place == 0) sheets.push_back(empty_sheet(paper));
     add_block(sheets.back(), batch, batch.numbers[i], block,
-              left + place % grid.columns * block.width_mm(),
-              top + static_cast<double>(place / grid.columns) * block.height_mm());
+              left + place % grid.columns * block.width_mm(), top + row * block.height_mm());
   }
 }
 

@@ -63,7 +63,8 @@ TEST(BlurredMarker, DeepInACellIsThatCell) {
 TEST(BlurredMarker, AlongAnEdgeIsTheBlurOfLensAndPixel) {
   const MarkerBits bits = striped();
   const BlurredMarker marker(bits);
-  for (double place = 1.2; place < 3.5; place += 0.07) {
+  for (int i = 0; i < 33; ++i) {
+    const double place = 1.2 + 0.07 * i;
     const AxisView x{place, 0.2, 0.6};
     const AxisView y{2.5, 0.05, 0.6};
     EXPECT_NEAR(marker.at(x, y, 0).value, integrated_white(bits, x, y), 1e-3) << place;
@@ -73,7 +74,8 @@ TEST(BlurredMarker, AlongAnEdgeIsTheBlurOfLensAndPixel) {
 TEST(BlurredMarker, WhereRowsAndColumnsMeetIsTheBlurToo) {
   const MarkerBits bits = striped();
   const BlurredMarker marker(bits);
-  for (double place = -0.4; place < 4.4; place += 0.13) {
+  for (int i = 0; i < 37; ++i) {
+    const double place = -0.4 + 0.13 * i;
     const AxisView x{place, 0.15, 0.5};
     const AxisView y{1 + 0.3 * std::sin(place), 0.15, 0.5};
     EXPECT_NEAR(marker.at(x, y, 0).value, integrated_white(bits, x, y), 1e-3) << place;
@@ -97,7 +99,8 @@ TEST(BlurredMarker, GrownWhiteMovesEdgesIntoTheBlack) {
 
 TEST(BlurredMarker, DerivativesAreThoseOfDifferences) {
   const BlurredMarker marker(striped());
-  for (double place = -0.5; place < 4.5; place += 0.11) {
+  for (int i = 0; i < 46; ++i) {
+    const double place = -0.5 + 0.11 * i;
     const double row = 2 + 1.7 * std::sin(3 * place);
     const auto value = [&](const Eigen::Matrix<double, 5, 1>& d) {
       return Eigen::Matrix<double, 1, 1>(

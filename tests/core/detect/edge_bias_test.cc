@@ -57,6 +57,7 @@ TEST(EdgeBias, WhatNoCameraDoesIsNoBias) {
 
 TEST(EdgeBias, FarOnesAreLeftOut) {
   std::vector<EdgeSample> samples;
+  samples.reserve(22);
   for (int i = 0; i < 20; ++i) samples.push_back(fitted(0.1 + 0.001 * (i % 5), 0.12));
   const double without = edge_bias(samples, SensorResponse::linear)->inset_px;
   samples.push_back(fitted(0.9, 0.9));

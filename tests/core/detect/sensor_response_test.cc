@@ -8,7 +8,8 @@ namespace {
 class Responses : public testing::TestWithParam<SensorResponse> {};
 
 TEST_P(Responses, DecodingUndoesEncoding) {
-  for (double light = 0; light <= 1; light += 0.01) {
+  for (int i = 0; i <= 100; ++i) {
+    const double light = 0.01 * i;
     EXPECT_NEAR(decode(GetParam(), encode(GetParam(), light).grey), light, 1e-12) << light;
   }
 }

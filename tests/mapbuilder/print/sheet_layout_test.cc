@@ -75,8 +75,12 @@ TEST(Layout, ALargeMarkerIsPrintedInPartsThatCoverIt) {
   ASSERT_GT(sheets.size(), 1U);
   const double cell = 300.0 / 8;
   // Every point of the marker and its margin is seen through some window.
-  for (double x = -cell + 1; x < 300 + cell; x += 7) {
-    for (double y = -cell + 1; y < 300 + cell; y += 7) {
+  constexpr int kPoints = 53;
+  const double step = (300 + 2 * cell - 2) / (kPoints - 1);
+  for (int i = 0; i < kPoints; ++i) {
+    for (int k = 0; k < kPoints; ++k) {
+      const double x = 1 - cell + i * step;
+      const double y = 1 - cell + k * step;
       bool seen = false;
       for (const Sheet& sheet : sheets) {
         const PrintedSquare& part = sheet.squares.front();
