@@ -218,7 +218,7 @@ def one_round(world, watch, attacks, chance):
     return names, ended, pose["heard_s"]
 
 
-def tried_again(names):
+def _starts_later(names):
     """Whether a start could not go well, and is tried again 30 s later."""
     return {"service_killed", "reload_hostile"} <= set(names)
 
@@ -235,7 +235,7 @@ def judge(watch, witness, rounds):
                  for length_s, slept_s, asleep_in in silences if slept_s > SILENT_S]
     back_s, vehicle_s = [], []
     for names, ended, back in rounds:
-        if tried_again(names):
+        if _starts_later(names):
             continue
         spent = times_spent(watch, witness, ended, back)
         back_s.append(back - ended)
