@@ -81,7 +81,8 @@ TEST_F(EdgeCorrection, TooFewMarkersLeaveCornersAsTheyAre) {
   ASSERT_EQ(report_.edges.size(), 1U);
   EXPECT_FALSE(report_.edges[0]);
   EXPECT_EQ(plain.images[0].detections[0].corners, corrected.images[0].detections[0].corners);
-  EXPECT_NE(edges_text("cam0", report_.edges[0]).find("fewer than eight clear ones"), std::string::npos);
+  EXPECT_NE(edges_text("cam0", report_.edges[0]).find("fewer than eight clear ones"),
+            std::string::npos);
 }
 
 TEST(EdgesText, GivesFigureSigmaAndResponse) {
