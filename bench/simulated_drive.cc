@@ -29,7 +29,7 @@ void SimulatedDrive::rebuild(const simulator::Scene& building) {
 }
 
 Rigid3 SimulatedDrive::world_from_rig(Stamp stamp) const {
-  const double time_s = std::chrono::duration<double>(stamp - kStart).count();
+  const double time_s = in_s(stamp - kStart);
   return way_.world_from_cam0(time_s * options_.speed_mps) *
          rig_.cameras.front().rig_from_cam.inverse();
 }

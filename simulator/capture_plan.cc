@@ -35,7 +35,7 @@ CapturePlan::CapturePlan(const Scene& scene, const SimulatedRig& rig, int positi
 
 Rigid3 CapturePlan::world_from_cam0_after(const Exposure& exposure, double seconds) const {
   if (!moving_) return way_.world_from_cam0(static_cast<double>(exposure.position) * step_m_);
-  const double time_s = std::chrono::duration<double>(exposure.stamp - kStart).count() + seconds;
+  const double time_s = in_s(exposure.stamp - kStart) + seconds;
   return way_.world_from_cam0(time_s * speed_mps_);
 }
 

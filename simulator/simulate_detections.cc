@@ -7,7 +7,7 @@
 #include "core/base/atomic_file.h"
 #include "core/base/parallel.h"
 #include "core/base/progress.h"
-#include "core/capture/detections_csv.h"
+#include "core/capture/detections_csv_text.h"
 #include "simulator/capture_output.h"
 #include "simulator/capture_plan.h"
 #include "simulator/corruption.h"

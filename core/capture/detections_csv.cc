@@ -6,18 +6,15 @@
 #include <map>
 #include <tuple>
 
-#include "core/base/check.h"
 #include "core/base/line_reader.h"
 #include "core/base/text_field.h"
+#include "core/capture/detections_csv_columns.h"
 #include "core/capture/foreign_csv.h"
 
 namespace waymark {
 namespace {
 
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-constexpr std::string_view kOwnLinePrefix = "# detector=";
-constexpr std::string_view kFingerprintKey = " markers=";
-
 /// 20 million detections of a large building with covariances.
 constexpr std::uintmax_t kLargestFile = std::uintmax_t{1} << 32;
 /// Of a row with covariances: 500 bytes in 24 columns.
@@ -27,11 +24,6 @@ constexpr std::size_t kQuotedHeader = 100;  ///< bytes of a header in a message
 
 /// No image is this wide; a corner beyond it is damage, and its square would spoil later sums.
 constexpr double kMaxCorner_px = 1e6;
-
-constexpr std::array<std::string_view, 8> kCornerColumns{"x0", "y0", "x1", "y1",
-                                                         "x2", "y2", "x3", "y3"};
-constexpr std::array<std::string_view, 12> kCovarianceColumns{
-    "sxx0", "sxy0", "syy0", "sxx1", "sxy1", "syy1", "sxx2", "sxy2", "syy2", "sxx3", "sxy3", "syy3"};
 
 /// False when there are more fields than any table has columns.
 bool split_at_commas(std::string_view line, std::vector<std::string_view>& fields) {
@@ -334,17 +326,6 @@ class Reader {
   std::vector<std::string_view> fields_;  ///< of the present line
 };
 
-bool every_detection_has_covariances(const std::vector<ImageDetections>& images) {
-  bool any = false;
-  for (const ImageDetections& image : images) {
-    for (const Detection& detection : image.detections) {
-      if (!detection.covariances) return false;
-      any = true;
-    }
-  }
-  return any;
-}
-
 }  // namespace
 
 Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path, const Rig& rig,
@@ -354,58 +335,6 @@ Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path,
   const std::string name = path.string();
   LineReader lines(std::move(*file), name, kLongestLine);
   return Reader(name, rig, catalog).read(lines, monotonic);
-}
-
-std::string format_detections_csv(const std::vector<ImageDetections>& images, const Rig& rig,
-                                  const MarkerCatalog& catalog, const std::string& detector,
-                                  const std::vector<std::string>& comments) {
-  const bool with_covariances = every_detection_has_covariances(images);
-  std::string text;
-  for (const std::string& comment : comments) text += "# " + comment + '\n';
-  text += detections_csv_head(catalog, detector, with_covariances);
-  append_detections_csv_rows(images, rig, catalog, with_covariances, text);
-  return text;
-}
-
-std::string detections_csv_head(const MarkerCatalog& catalog, const std::string& detector,
-                                bool with_covariances) {
-  std::string text;
-  auto out = std::back_inserter(text);
-  fmt::format_to(out, "{}{}{}{}\n", kOwnLinePrefix, detector, kFingerprintKey,
-                 catalog.fingerprint());
-  fmt::format_to(out, "t_ns,camera,marker_id,{},hamming", fmt::join(kCornerColumns, ","));
-  if (with_covariances) fmt::format_to(out, ",{}", fmt::join(kCovarianceColumns, ","));
-  text += '\n';
-  return text;
-}
-
-void append_detections_csv_rows(const std::vector<ImageDetections>& images, const Rig& rig,
-                                const MarkerCatalog& catalog, bool with_covariances,
-                                std::string& text) {
-  auto out = std::back_inserter(text);
-  const std::size_t fields_per_detection =
-      kCornerColumns.size() + 1 + (with_covariances ? kCovarianceColumns.size() : 0);
-  for (const ImageDetections& image : images) {
-    const std::string image_fields = fmt::format(
-        "{},{},", image.stamp.count(), rig.cameras.at(static_cast<std::size_t>(image.camera)).name);
-    if (image.detections.empty()) {
-      text += image_fields + std::string(fields_per_detection, ',') + '\n';
-    }
-    for (const Detection& detection : image.detections) {
-      text += image_fields + catalog.format(detection.marker);
-      for (const auto& corner : detection.corners) {
-        fmt::format_to(out, ",{:.4f},{:.4f}", corner.x(), corner.y());
-      }
-      fmt::format_to(out, ",{}", detection.hamming);
-      if (with_covariances) {
-        WAYMARK_CHECK(detection.covariances.has_value());
-        for (const Eigen::Matrix2d& s : *detection.covariances) {
-          fmt::format_to(out, ",{:.9g},{:.9g},{:.9g}", s(0, 0), s(0, 1), s(1, 1));
-        }
-      }
-      text += '\n';
-    }
-  }
 }
 
 }  // namespace waymark

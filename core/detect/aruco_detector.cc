@@ -5,6 +5,7 @@
 #include <opencv2/aruco.hpp>
 
 #include "core/detect/cell_reader.h"
+#include "core/marker/marker_outline.h"
 #include "core/marker/opencv_dictionary.h"
 
 namespace waymark {
@@ -55,25 +56,18 @@ ImageCorners upright_corners(Family family, const std::vector<cv::Point2f>& foun
   return corners;
 }
 
-double perimeter_px(const ImageCorners& corners) {
-  double sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) sum += (corners[(i + 1) % 4] - corners[i]).norm();
-  return sum;
-}
-
 /// Whether both are the same marker in the same place.
 bool same_reading(const Detection& a, const Detection& b) {
   if (a.marker != b.marker) return false;
-  Eigen::Vector2d between = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < 4; ++i) between += 0.25 * (a.corners[i] - b.corners[i]);
-  return between.norm() < 0.05 * perimeter_px(a.corners);
+  const Eigen::Vector2d between = centre_of(a.corners) - centre_of(b.corners);
+  return between.norm() < 0.2 * mean_side_px(a.corners);
 }
 
 /// Adds a reading; of several of one marker in one place the outermost stays.
 void add_reading(const Detection& reading, std::vector<Detection>& detections) {
   for (Detection& known : detections) {
     if (!same_reading(known, reading)) continue;
-    if (perimeter_px(reading.corners) > perimeter_px(known.corners)) known = reading;
+    if (mean_side_px(reading.corners) > mean_side_px(known.corners)) known = reading;
     return;
   }
   detections.push_back(reading);

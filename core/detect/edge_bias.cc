@@ -1,8 +1,6 @@
 #include "core/detect/edge_bias.h"
 
-#include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <random>
@@ -307,31 +305,6 @@ double inset_of(const MarkerFits& fits, const EdgeBias& camera) {
   const double of_mean = 1 / (scatter * scatter);
   const double of_own = 1 / (own.sigma_px * own.sigma_px);
   return (camera.inset_px * of_mean + own.value_px * of_own) / (of_mean + of_own);
-}
-
-ImageCorners moved_outward(const ImageCorners& corners, double inset_px) {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& corner : corners) middle += 0.25 * corner;
-  // Sides as lines n·x = c, moved along n.
-  std::array<Eigen::Vector2d, 4> normals;
-  Eigen::Vector4d offsets;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d along = corners[(i + 1) % 4] - corners[i];
-    normals[i] = Eigen::Vector2d(along.y(), -along.x()).normalized();
-    if (normals[i].dot(corners[i] - middle) < 0) normals[i] = -normals[i];
-    offsets[static_cast<Eigen::Index>(i)] = normals[i].dot(corners[i]) + inset_px;
-  }
-  ImageCorners moved;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const std::size_t before = (i + 3) % 4;
-    Eigen::Matrix2d lines;
-    lines << normals[before].transpose(), normals[i].transpose();
-    constexpr double kParallel = 1e-3;
-    if (std::abs(lines.determinant()) < kParallel) return corners;
-    moved[i] = lines.inverse() * Eigen::Vector2d(offsets[static_cast<Eigen::Index>(before)],
-                                                 offsets[static_cast<Eigen::Index>(i)]);
-  }
-  return moved;
 }
 
 }  // namespace waymark

@@ -36,7 +36,4 @@ struct EdgeBias {
 /// its variance (EDGES, Correction); the mean where its fit is none or out of reason.
 [[nodiscard]] double inset_of(const MarkerFits& fits, const EdgeBias& camera);
 
-/// Corners of the sides moved outward by `inset_px`; as they are where sides lie on one line.
-[[nodiscard]] ImageCorners moved_outward(const ImageCorners& corners, double inset_px);
-
 }  // namespace waymark

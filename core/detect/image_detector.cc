@@ -7,19 +7,15 @@
 #include "core/detect/aruco_detector.h"
 #include "core/detect/cell_reader.h"
 #include "core/marker/image_families.h"
+#include "core/marker/marker_outline.h"
 
 namespace waymark {
 namespace {
 
 /// Whether two detections are readings of the same square.
 bool same_square(const Detection& a, const Detection& b) {
-  Eigen::Vector2d between = Eigen::Vector2d::Zero();
-  double side_px = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    between += 0.25 * (a.corners[i] - b.corners[i]);
-    side_px += 0.25 * (a.corners[(i + 1) % 4] - a.corners[i]).norm();
-  }
-  return between.norm() < 0.2 * side_px;
+  const Eigen::Vector2d between = centre_of(a.corners) - centre_of(b.corners);
+  return between.norm() < 0.2 * mean_side_px(a.corners);
 }
 
 }  // namespace

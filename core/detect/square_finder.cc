@@ -4,6 +4,8 @@
 #include <opencv2/aruco.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "core/marker/marker_outline.h"
+
 namespace waymark {
 namespace {
 
@@ -17,23 +19,13 @@ ImageCorners clockwise(const std::vector<cv::Point2f>& quad) {
   return corners;
 }
 
-Eigen::Vector2d centre_of(const ImageCorners& corners) {
-  return 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
-}
-
-double side_px(const ImageCorners& corners) {
-  double sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) sum += 0.25 * (corners[(i + 1) % 4] - corners[i]).norm();
-  return sum;
-}
-
 /// Adds a square; of several in one place, the outline's two sides, the larger stays.
 void add(const ImageCorners& square, std::vector<ImageCorners>& squares) {
   for (ImageCorners& known : squares) {
-    const double larger_px = std::max(side_px(known), side_px(square));
+    const double larger_px = std::max(mean_side_px(known), mean_side_px(square));
     if ((centre_of(known) - centre_of(square)).norm() > 0.1 * larger_px) continue;
-    if (std::min(side_px(known), side_px(square)) < 0.8 * larger_px) continue;
-    if (side_px(square) > side_px(known)) known = square;
+    if (std::min(mean_side_px(known), mean_side_px(square)) < 0.8 * larger_px) continue;
+    if (mean_side_px(square) > mean_side_px(known)) known = square;
     return;
   }
   squares.push_back(square);

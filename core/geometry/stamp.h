@@ -34,4 +34,7 @@ inline constexpr Stamp kLargestStamp{(std::int64_t{1} << 62) - 1};
 /// A time in µs.
 [[nodiscard]] constexpr double in_us(Stamp time) { return static_cast<double>(time.count()) / 1e3; }
 
+/// A time in s.
+[[nodiscard]] constexpr double in_s(Stamp time) { return static_cast<double>(time.count()) / 1e9; }
+
 }  // namespace waymark

@@ -91,6 +91,7 @@ class CatalogReader {
     if (const toml::node* scale = block.get("print_scale")) {
       const auto factor = read_print_scale(*scale);
       if (!factor) return tl::make_unexpected(factor.error());
+      entry.print_scale = *factor;
       if (entry.default_size_m) *entry.default_size_m *= *factor;
       for (auto& [id, size_m] : entry.size_m_by_id) size_m *= *factor;
     }

@@ -21,6 +21,7 @@ class MarkerCatalog {
     std::optional<double> default_size_m;  ///< without it only the listed ids exist
     std::map<int, double> size_m_by_id;
     std::set<int> ignored;
+    double print_scale = 1;  ///< that the sizes above have in them
   };
 
   MarkerCatalog() = default;
@@ -66,7 +67,8 @@ class MarkerCatalog {
 /// `name` stands for the capture in the message.
 [[nodiscard]] Status check_found_in_images(const MarkerCatalog& catalog, const std::string& name);
 
-/// Text of a markers.toml that reads back to the same catalog (used by the simulator, importers).
+/// Text of a markers.toml that reads back to the same sizes, print_scale within them (used by the
+/// simulator, importers).
 [[nodiscard]] std::string format_marker_catalog(const MarkerCatalog& catalog);
 
 }  // namespace waymark

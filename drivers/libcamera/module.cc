@@ -236,7 +236,7 @@ class LibcameraSource final : public FrameSource {
       }
       if (stall_.stalled(system_->now())) {
         return fail(ErrorKind::io, "{}: no whole frame for {:.1f} s; starting it again",
-                    camera_->id(), std::chrono::duration<double>(stall_.patience()).count());
+                    camera_->id(), in_s(stall_.patience()));
       }
       // Woken, a request can be given back; else the time is over.
       if (request == nullptr && !queue_.was_woken()) return std::nullopt;

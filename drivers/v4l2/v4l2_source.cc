@@ -135,7 +135,7 @@ class V4l2Source final : public FrameSource {
       }
       if (stall_.stalled(system_->now())) {
         return fail(ErrorKind::io, "{}: no whole frame for {:.1f} s; starting it again",
-                    node_->path(), std::chrono::duration<double>(stall_.patience()).count());
+                    node_->path(), in_s(stall_.patience()));
       }
       promised = false;
       if (*filled) continue;

@@ -18,32 +18,7 @@
 #include "locd/pose/robust_pose.h"
 
 namespace waymark {
-namespace {
-
-double seconds(Stamp duration) { return std::chrono::duration<double>(duration).count(); }
-
-MotionOptions motion_options(const LocalizerOptions& options) {
-  MotionOptions motion;
-  motion.max_age_s = options.prior_max_age_s;
-  return motion;
-}
-
-ImageHealthOptions health_options(const LocalizerOptions& options) {
-  ImageHealthOptions health;
-  health.doubt_first_images = options.doubt_first_images;
-  return health;
-}
-
-}  // namespace
-
-Status LocalizerOptions::check() const {
-  return RangeCheck()
-      .part("gate", gate.check())
-      .field("prior_max_age_s", prior_max_age_s, kPriorMaxAge_s)
-      .field("negligible_skew in ms", in_us(negligible_skew) / 1e3, kNegligibleSkew_ms)
-      .field("detection_threads", detection_threads, kDetectionThreads)
-      .status();
-}
+namespace {}  // namespace
 
 struct Localizer::Implementation {
   Implementation(const Rig& rig_in, const MarkerMap& map_in, const LocalizerOptions& options_in)
@@ -53,10 +28,10 @@ struct Localizer::Implementation {
         detector(rig, map.catalog(), options.detection_threads, options.begin_worker),
         robust(rig, map, {}),
         gate(options.gate),
-        motion(motion_options(options)),
+        motion(options.motion()),
         map_watch(map, robust.solver()),
         camera_watch(rig, map),
-        health(rig.cameras.size(), health_options(options)),
+        health(rig.cameras.size(), options.image_health()),
         skew_watch({options.triggered, options.negligible_skew}) {
     observations.reserve(kMaxObservations);
     quarantined.reserve(kMaxObservations);
@@ -235,7 +210,7 @@ void Localizer::Implementation::time_observations(const FrameSetLease& set,
   const auto time_corners = [&](SetObservation& o) {
     const RigCamera& camera = rig.cameras[static_cast<std::size_t>(o.observation.camera)];
     const double offset_s =
-        seconds(estimate.camera_offset[static_cast<std::size_t>(o.observation.camera)]);
+        in_s(estimate.camera_offset[static_cast<std::size_t>(o.observation.camera)]);
     const double readout_s = camera.readout_us.value_or(0) * 1e-6;
     const double rows = camera.model.parameters().height_px;
     for (std::size_t i = 0; i < 4; ++i) {

@@ -1,44 +1,18 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
-#include "core/base/range.h"
 #include "core/camera/rig.h"
 #include "core/map/marker_map.h"
 #include "core/map/quarantine.h"
 #include "locd/alert.h"
 #include "locd/frames/frame_synchronizer.h"
-#include "locd/frames/skew_watch.h"
-#include "locd/pose/motion_filter.h"
+#include "locd/pose/localizer_options.h"
 #include "locd/pose/pose_estimate.h"
-#include "locd/pose/pose_gate.h"
 
 namespace waymark {
-
-/// How frame sets become poses.
-struct LocalizerOptions {
-  GateOptions gate;
-  double prior_max_age_s = 0.5;  ///< older poses predict nothing
-  /// Exposures farther apart need the rig's velocity to be put together; on a triggered rig they
-  /// must not occur.
-  Stamp negligible_skew = std::chrono::microseconds(1000);
-  bool triggered = false;  ///< the rig's cameras expose together: skew is a fault
-  /// Cameras that ran before the program did: see ImageHealthOptions. A capture's first images are
-  /// as good as any.
-  bool doubt_first_images = false;
-  int detection_threads = 0;  ///< 0: one per camera, at most as many as there are processors
-  /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
-  std::function<void()> begin_worker;
-
-  static constexpr Range kPriorMaxAge_s = MotionOptions::kMaxAge_s;
-  static constexpr Range kNegligibleSkew_ms = SkewWatchOptions::kMost_ms;
-  static constexpr Range kDetectionThreads{0, kMaxCameras};
-  /// usage, naming the first field that lies outside its range.
-  [[nodiscard]] Status check() const;
-};
 
 /// From frame sets to poses that can be trusted: finds markers in all cameras, solves for the rig
 /// against the fixed map, judges the result, and watches map, cameras and images over time. One

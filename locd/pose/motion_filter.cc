@@ -9,9 +9,7 @@
 namespace waymark {
 namespace {
 
-double seconds_between(Stamp from, Stamp to) {
-  return std::chrono::duration<double>(to - from).count();
-}
+double seconds_between(Stamp from, Stamp to) { return in_s(to - from); }
 
 Matrix6d diagonal(double translation, double rotation) {
   Vector6d d;

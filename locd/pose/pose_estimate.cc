@@ -58,7 +58,7 @@ void PoseEstimate::lose_pose(PoseReason why) {
 
 Rigid3 PoseEstimate::world_from_rig_at(Stamp when) const {
   if (!velocity.allFinite()) return world_from_rig;
-  return world_from_rig.plus(velocity * std::chrono::duration<double>(when - stamp).count());
+  return world_from_rig.plus(velocity * in_s(when - stamp));
 }
 
 }  // namespace waymark

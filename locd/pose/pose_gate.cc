@@ -80,7 +80,7 @@ ReasonBits PoseGate::judge(Stamp stamp, const PoseSolution& solution,
 }
 
 bool PoseGate::reachable(const Place& from, const Place& to) const {
-  const double seconds = std::abs(std::chrono::duration<double>(to.stamp - from.stamp).count());
+  const double seconds = std::abs(in_s(to.stamp - from.stamp));
   const double moved_m = (to.pose.translation - from.pose.translation).norm();
   const double turned_rad = angle_between_rad(to.pose.rotation, from.pose.rotation);
   return moved_m <=

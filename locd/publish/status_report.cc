@@ -11,7 +11,7 @@ constexpr Stamp kAlive = std::chrono::seconds(1);
 constexpr Stamp kSlowest = std::chrono::seconds(10);
 
 double rate_hz(std::uint64_t count, Stamp interval) {
-  const double seconds = std::chrono::duration<double>(interval).count();
+  const double seconds = in_s(interval);
   return seconds > 0 ? static_cast<double>(count) / seconds : 0;
 }
 

@@ -107,13 +107,13 @@ void Telemetry::publish_status(status_t& status, Stamp now) {
   status.utime = clock_.utime_us(now);
   status.seq = statuses_++;
   status.session_id = session_.session_id;
-  status.uptime_s = std::chrono::duration<double>(now - started_).count();
+  status.uptime_s = in_s(now - started_);
   status.map_hash = session_.map_hash;
   std::copy(by_status_.begin(), by_status_.end(), std::begin(status.poses));
   fill_latency(status);
   status.time_status = static_cast<std::int8_t>(clock_.status());
   status.time_steps = clock_.steps();
-  status.time_error_s = std::chrono::duration<double>(clock_.error()).count();
+  status.time_error_s = in_s(clock_.error());
   status.publish_failures = publisher_.failures();
   publisher_.publish(channel("STATUS"), status, now);
 }

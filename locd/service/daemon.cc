@@ -243,7 +243,7 @@ void Daemon::Parts::look_at_cameras(Stamp now) {
 bool Daemon::Parts::has_waited_enough(Stamp now) const {
   const bool all_tried = std::all_of(cameras.begin(), cameras.end(),
                                      [](const auto& camera) { return camera.starts > 0; });
-  const auto waited_s = std::chrono::duration<double>(now - started).count();
+  const auto waited_s = in_s(now - started);
   return waited_s >= setup.config.service.startup_wait_s &&
          (all_tried || now - started >= kFirstStart);
 }

@@ -1,6 +1,6 @@
 #include "mapbuilder/bundle/estimate.h"
 
-#include "mapbuilder/bundle/edge_bias.h"
+#include "core/marker/marker_outline.h"
 
 namespace waymark {
 
@@ -18,7 +18,7 @@ double Calibration::edge_bias_px(CameraIndex camera) const {
 ImageCorners corrected_corners(const Observation& o, const Calibration& calibration) {
   ImageCorners corners_px = o.corners_px;
   for (const double step_px : calibration.edge_bias_steps_px[o.camera]) {
-    move_edges_in(step_px, corners_px);
+    move_sides_in(step_px, corners_px);
   }
   return corners_px;
 }

@@ -4,7 +4,7 @@
 
 #include "core/base/parallel.h"
 #include "core/estimate/ippe.h"
-#include "mapbuilder/bundle/edge_bias.h"
+#include "core/marker/marker_outline.h"
 
 namespace waymark {
 namespace {

@@ -4,7 +4,7 @@
 #include <set>
 
 #include "core/base/check.h"
-#include "mapbuilder/bundle/edge_bias.h"
+#include "core/marker/marker_outline.h"
 #include "mapbuilder/bundle/reduced_problem.h"
 #include "mapbuilder/bundle/survey_factors.h"
 

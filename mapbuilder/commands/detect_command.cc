@@ -3,7 +3,7 @@
 #include <fmt/ostream.h>
 
 #include "core/base/atomic_file.h"
-#include "core/capture/detections_csv.h"
+#include "core/capture/detections_csv_text.h"
 #include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/commands/output_check.h"
 

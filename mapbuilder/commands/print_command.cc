@@ -99,14 +99,24 @@ Expected<MarkerCatalog> catalog_of(const std::vector<MarkerBatch>& batches) {
   return MarkerCatalog(std::move(entries));
 }
 
+/// The size that a markers.toml states for a marker, before its print_scale.
+std::optional<double> stated_size_m(const MarkerCatalog& catalog, const MarkerId& id) {
+  const auto size_m = catalog.size_m(id);
+  if (!size_m) return std::nullopt;
+  const auto entry =
+      std::find_if(catalog.entries().begin(), catalog.entries().end(),
+                   [&](const MarkerCatalog::FamilyEntry& one) { return one.family == id.family; });
+  return *size_m / entry->print_scale;
+}
+
 /// Whether a markers.toml that is there states what is printed.
 Status check_states(const MarkerCatalog& there, const std::filesystem::path& path,
                     const std::vector<MarkerBatch>& batches) {
   for (const MarkerBatch& batch : batches) {
     for (const int number : batch.numbers) {
-      const auto size_m = there.size_m({batch.family, number});
-      constexpr double kSame = 0.05;  // a print_scale may stand in between
-      if (size_m && std::abs(*size_m / batch.size_m - 1) < kSame) continue;
+      const auto size_m = stated_size_m(there, {batch.family, number});
+      constexpr double kRounding = 1e-9;
+      if (size_m && std::abs(*size_m / batch.size_m - 1) < kRounding) continue;
       return fail(
           ErrorKind::bad_data,
           "{}: states {} for {} {}, and {} m is to be printed; correct it, or name a file in "
@@ -163,6 +173,8 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
 }
 
 Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out) {
+  if (options.rig.empty())
+    return fail(ErrorKind::usage, "print --advise: --rig RIG.yaml is required");
   if (!kAdviceRange_m.contains(options.range_m)) {
     return fail(ErrorKind::usage, "--range-m {}: must lie within {} and {} m", options.range_m,
                 kAdviceRange_m.low, kAdviceRange_m.high);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/marker/marker_geometry.h"
+#include "core/marker/marker_outline.h"
 
 namespace waymark {
 namespace {
@@ -24,10 +24,6 @@ std::optional<ImageCorners> image_of(const CameraModel& model, const Rigid3& cam
     corners[i] = *pixel;
   }
   return corners;
-}
-
-Eigen::Vector2d centre_of(const ImageCorners& corners) {
-  return (corners[0] + corners[1] + corners[2] + corners[3]) / 4.0;
 }
 
 }  // namespace

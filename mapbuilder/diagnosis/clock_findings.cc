@@ -23,8 +23,6 @@ constexpr double kFollows = 0.8;
 /// drift is still part of it.
 constexpr double kStairs = 0.15;
 
-double seconds(Stamp stamp) { return std::chrono::duration<double>(stamp).count(); }
-
 /// Stamps per camera, rising, and how many of them are in a frame set with another camera.
 struct CameraStamps {
   std::vector<Stamp> stamps;
@@ -64,9 +62,9 @@ std::vector<double> offsets_from(const std::vector<Stamp>& reference,
   for (const Stamp stamp : stamps) {
     const auto after = std::lower_bound(reference.begin(), reference.end(), stamp);
     double offset = std::numeric_limits<double>::infinity();
-    if (after != reference.end()) offset = seconds(stamp - *after);
-    if (after != reference.begin() && seconds(stamp - *std::prev(after)) < std::abs(offset)) {
-      offset = seconds(stamp - *std::prev(after));
+    if (after != reference.end()) offset = in_s(stamp - *after);
+    if (after != reference.begin() && in_s(stamp - *std::prev(after)) < std::abs(offset)) {
+      offset = in_s(stamp - *std::prev(after));
     }
     if (!offsets.empty()) offset += period_s * std::round((offsets.back() - offset) / period_s);
     offsets.push_back(offset);
@@ -77,7 +75,7 @@ std::vector<double> offsets_from(const std::vector<Stamp>& reference,
 double period_of(const std::vector<Stamp>& stamps) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < stamps.size(); ++i) {
-    steps.push_back(seconds(stamps[i] - stamps[i - 1]));
+    steps.push_back(in_s(stamps[i] - stamps[i - 1]));
   }
   return upper_median(steps);
 }
@@ -92,7 +90,7 @@ std::optional<double> drift_of(const std::vector<Stamp>& stamps,
   std::vector<double> slopes;
   for (std::size_t i = 0; i < stamps.size(); i += every) {
     for (std::size_t j = i + third; j < stamps.size(); j += every) {
-      const double step = seconds(stamps[j] - stamps[i]);
+      const double step = in_s(stamps[j] - stamps[i]);
       if (step > 0) slopes.push_back((offsets[j] - offsets[i]) / step);
     }
   }
@@ -108,10 +106,10 @@ std::optional<OffsetLine> line_of(const std::vector<Stamp>& stamps,
   OffsetLine line{0, *drift};
   std::vector<double> firsts;
   for (std::size_t i = 0; i < stamps.size(); ++i) {
-    firsts.push_back(offsets[i] - line.drift * seconds(stamps[i] - stamps.front()));
+    firsts.push_back(offsets[i] - line.drift * in_s(stamps[i] - stamps.front()));
   }
   line.first_s = upper_median(firsts);
-  const double grown_s = std::abs(line.drift) * seconds(stamps.back() - stamps.front());
+  const double grown_s = std::abs(line.drift) * in_s(stamps.back() - stamps.front());
   const double near_s = std::max(tolerance_s, kStairs * grown_s);
   const auto follow = std::count_if(firsts.begin(), firsts.end(), [&](double first) {
     return std::abs(first - line.first_s) <= near_s;
@@ -152,7 +150,7 @@ std::optional<Finding> judge(const CameraStamps& camera, const std::string& name
   const Stamp span = std::max(camera.stamps.back() - camera.stamps.front(),
                               reference.stamps.back() - reference.stamps.front());
   if (gap > span) {
-    const double apart_s = std::abs(seconds(camera.stamps.front() - reference.stamps.front()));
+    const double apart_s = std::abs(in_s(camera.stamps.front() - reference.stamps.front()));
     return clock_finding(
         name,
         fmt::format("no frame set holds it: its stamps lie {} {} those of {}, by another clock.",
@@ -161,13 +159,13 @@ std::optional<Finding> judge(const CameraStamps& camera, const std::string& name
                     reference_name),
         {"apart", apart_s, "s", {}});
   }
-  const double tolerance_s = seconds(tolerance);
+  const double tolerance_s = in_s(tolerance);
   const double period_s = period_of(reference.stamps);
   if (!(period_s > 0)) return std::nullopt;
   const auto offsets = offsets_from(reference.stamps, camera.stamps, period_s);
   const auto line = line_of(camera.stamps, offsets, tolerance_s);
   if (!line) return std::nullopt;
-  const double grown_s = line->drift * seconds(camera.stamps.back() - camera.stamps.front());
+  const double grown_s = line->drift * in_s(camera.stamps.back() - camera.stamps.front());
   if (std::abs(grown_s) > tolerance_s) {
     std::size_t apart = 0;
     while (apart + 1 < offsets.size() && std::abs(offsets[apart]) <= tolerance_s) ++apart;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/median.h"
+#include "mapbuilder/diagnosis/square_equations.h"
 
 namespace waymark {
 namespace {
@@ -21,27 +22,6 @@ double sum_of_squares(const std::array<Eigen::Vector2d, 4>& residuals) {
   double sum = 0;
   for (const Eigen::Vector2d& r : residuals) sum += r.squaredNorm();
   return sum;
-}
-
-/// Squared residual (px²) that the marker's best pose of its own leaves.
-std::optional<double> own_residual(const RigCamera& camera, const Observation& o, double size_m) {
-  MarkerObservation observation;
-  observation.size_m = size_m;
-  observation.corners_px = o.corners_px;
-  observation.whitening.fill(Eigen::Matrix2d::Identity());
-  const auto solutions = solve_ippe(camera.model, o.corners_px, size_m);
-  if (!solutions) return std::nullopt;
-  const auto optimum =
-      minimize_pose(solutions->cam_from_marker[0], 20, [&](const Rigid3& cam_from_marker) {
-        PoseEquations equations;
-        add_observation(observation, {&camera.model, Rigid3{}, Rigid3{}, cam_from_marker},
-                        ObservationLoss{Loss::squared, 6.0}, FreePose::marker, equations);
-        return equations;
-      });
-  if (!optimum) return std::nullopt;
-  const auto residuals = corner_residuals(observation, camera.model, optimum->pose);
-  if (!residuals) return std::nullopt;
-  return sum_of_squares(*residuals);
 }
 
 /// Squared residual (px²) by the estimate's poses; infinite where it has none.
@@ -73,9 +53,8 @@ FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
   const std::size_t every = 1 + judged.size() / (kMaxJudged + 1);
   for (std::size_t i = 0; i < judged.size(); i += every) {
     const Observation& o = selection[judged[i]];
-    const auto squared = own_residual(estimate.calibration.camera(observations, o), o,
-                                      estimate.calibration.sizes_m[o.marker]);
-    if (squared) own.push_back(*squared);
+    const CameraModel& camera = estimate.calibration.camera(observations, o).model;
+    if (const auto squared = own_misfit_px2(camera, o.corners_px)) own.push_back(*squared);
   }
   std::vector<double> joint;
   for (const ObservationIndex index : judged) {

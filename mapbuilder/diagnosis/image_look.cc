@@ -6,6 +6,7 @@
 #include "core/base/parallel.h"
 #include "core/capture/image_file.h"
 #include "core/detect/square_finder.h"
+#include "core/marker/marker_outline.h"
 #include "core/marker/nested_families.h"
 
 namespace waymark {
@@ -24,12 +25,7 @@ struct Explained {
 };
 
 Explained place_of(const ImageCorners& corners) {
-  Explained place{Eigen::Vector2d::Zero(), 0};
-  for (std::size_t i = 0; i < 4; ++i) {
-    place.centre_px += 0.25 * corners[i];
-    place.side_px += 0.25 * (corners[(i + 1) % 4] - corners[i]).norm();
-  }
-  return place;
+  return {centre_of(corners), mean_side_px(corners)};
 }
 
 /// Whether a square stands on or around an explained one: its outline's other side, its paper.

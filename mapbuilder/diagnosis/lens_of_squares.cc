@@ -247,9 +247,7 @@ LensOfSquares fitted_to(const CameraModel& start, std::span<const ImageCorners> 
 double own_misfit_px(const CameraModel& camera, std::span<const ImageCorners> squares) {
   std::vector<double> squared;
   for (const ImageCorners& square : spread(squares, kMost)) {
-    const auto pose = own_pose(camera, square);
-    const auto one = pose ? linearize_square(camera, square, *pose) : std::nullopt;
-    if (one) squared.push_back(one->residual.squaredNorm());
+    if (const auto one = own_misfit_px2(camera, square)) squared.push_back(*one);
   }
   return own_px_of(std::move(squared));
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
@@ -10,6 +9,7 @@
 
 #include "core/estimate/robust_loss.h"
 #include "core/geometry/square_homography.h"
+#include "core/geometry/symmetric_factor.h"
 #include "mapbuilder/diagnosis/square_equations.h"
 
 namespace waymark {
@@ -54,7 +54,8 @@ std::vector<StretchEquation> equations_at(const std::vector<Outline>& outlines, 
     const auto one = pose ? linearize_square(*outline.camera, square, *pose) : std::nullopt;
     if (!one) continue;
     const Matrix6d hessian = one->by_pose.transpose() * one->by_pose;
-    const Vector6d by_pose = hessian.ldlt().solve(one->by_pose.transpose() * one->by_stretch);
+    const Vector6d by_pose =
+        SymmetricFactor<6>(hessian).solve(one->by_pose.transpose() * one->by_stretch);
     all.push_back({one->residual, one->by_stretch - one->by_pose * by_pose});
   }
   return all;

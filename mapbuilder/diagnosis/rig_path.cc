@@ -24,8 +24,7 @@ RigPath::RigPath(const CameraTracks& tracks, const Extrinsics& rig_from_cam, dou
                  int without) {
   std::vector<double> steps;
   for (const CameraTracks::Instant& instant : tracks.instants) {
-    time_s_.push_back(
-        std::chrono::duration<double>(instant.stamp - tracks.instants.front().stamp).count());
+    time_s_.push_back(in_s(instant.stamp - tracks.instants.front().stamp));
     world_from_rig_.push_back(agree(instant, rig_from_cam, noise_scale, without).world_from_rig);
     if (time_s_.size() > 1) steps.push_back(time_s_.back() - time_s_[time_s_.size() - 2]);
   }

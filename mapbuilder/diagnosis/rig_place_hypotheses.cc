@@ -75,8 +75,7 @@ RigHypothesis bumped(const RigCase& rig, std::size_t camera, const Bump& bump, b
   e.value = turn_deg(there, stated);
   e.unit = "°";
   e.since = rig.tracks().instants[h.since].stamp;
-  const double at_s =
-      std::chrono::duration<double>(*e.since - rig.tracks().instants.front().stamp).count();
+  const double at_s = in_s(*e.since - rig.tracks().instants.front().stamp);
   e.detail = fmt::format(
       "was turned by {:.1f}° and moved by {:.0f} mm at about {:.1f} s (frame set {}); {} that it "
       "fits rig.yaml",

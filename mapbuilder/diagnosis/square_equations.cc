@@ -59,6 +59,13 @@ std::optional<Rigid3> own_pose(const CameraModel& camera, const ImageCorners& ou
   return optimum->pose;
 }
 
+std::optional<double> own_misfit_px2(const CameraModel& camera, const ImageCorners& outline_px) {
+  const auto pose = own_pose(camera, outline_px);
+  const auto one = pose ? linearize_square(camera, outline_px, *pose) : std::nullopt;
+  if (!one) return std::nullopt;
+  return one->residual.squaredNorm();
+}
+
 double own_px_of(std::vector<double> squared) {
   if (squared.empty()) return std::numeric_limits<double>::infinity();
   return std::sqrt(upper_median(squared) / kMedianOfChi2_2);

@@ -30,6 +30,10 @@ struct SquareEquations {
 [[nodiscard]] std::optional<Rigid3> own_pose(const CameraModel& camera,
                                              const ImageCorners& outline_px);
 
+/// Squared misfit (px²) that this pose leaves.
+[[nodiscard]] std::optional<double> own_misfit_px2(const CameraModel& camera,
+                                                   const ImageCorners& outline_px);
+
 /// What corners are worth per axis (px) by the squared misfits (px²) that outlines' own poses
 /// leave: by the median, so that a few wrong outlines have no say; infinite of none.
 [[nodiscard]] double own_px_of(std::vector<double> squared);

@@ -9,6 +9,7 @@
 #include "core/base/parallel.h"
 #include "core/capture/image_file.h"
 #include "core/marker/image_families.h"
+#include "core/marker/marker_outline.h"
 
 namespace waymark {
 namespace {
@@ -113,8 +114,7 @@ void move_corners(ImageDetections& image, const std::vector<Chosen>& fitted, con
     if (one.fits) insets[one.detection] = inset_of(*one.fits, bias);
   }
   for (std::size_t i = 0; i < insets.size(); ++i) {
-    ImageCorners& corners = image.detections[i].corners;
-    corners = moved_outward(corners, insets[i]);
+    move_sides_in(-insets[i], image.detections[i].corners);
   }
 }
 

@@ -69,17 +69,4 @@ MeasuredEdges measure_edges(const CameraModel& camera, const EdgeTrials& trials)
   return result;
 }
 
-double inset_px(const ImageCorners& given, const ImageCorners& black) {
-  Eigen::Vector2d middle = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& corner : black) middle += 0.25 * corner;
-  double sum = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    const Eigen::Vector2d along = black[(i + 1) % 4] - black[i];
-    Eigen::Vector2d inward = Eigen::Vector2d(-along.y(), along.x()).normalized();
-    if (inward.dot(middle - black[i]) < 0) inward = -inward;
-    sum += 0.125 * inward.dot(given[i] + given[(i + 1) % 4] - black[i] - black[(i + 1) % 4]);
-  }
-  return sum;
-}
-
 }  // namespace waymark::testing

@@ -30,7 +30,4 @@ struct MeasuredEdges {
 /// Renders, refines, fits; tag36h11, seeds derived from the image's.
 [[nodiscard]] MeasuredEdges measure_edges(const CameraModel& camera, const EdgeTrials& trials);
 
-/// How far `given` sides' middles lie inside the black whose corners are `black` (px).
-[[nodiscard]] double inset_px(const ImageCorners& given, const ImageCorners& black);
-
 }  // namespace waymark::testing

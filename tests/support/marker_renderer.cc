@@ -134,12 +134,6 @@ ImageCorners true_corners(const CameraModel& camera, const RenderedMarker& marke
   return corners;
 }
 
-double mean_side_px(const ImageCorners& corners) {
-  double perimeter = 0;
-  for (std::size_t i = 0; i < 4; ++i) perimeter += (corners[(i + 1) % 4] - corners[i]).norm();
-  return perimeter / 4;
-}
-
 Rigid3 pose_seen_as(const CameraModel& camera, const MarkerView& view, double size_m) {
   const auto bearing = camera.bearing(view.center_px);
   WAYMARK_CHECK(bearing.has_value());

@@ -7,8 +7,8 @@
 #include "core/camera/camera_model.h"
 #include "core/capture/gray_image.h"
 #include "core/geometry/rigid3.h"
-#include "core/marker/marker_geometry.h"
 #include "core/marker/marker_id.h"
+#include "core/marker/marker_outline.h"
 
 namespace waymark::testing {
 
@@ -45,9 +45,6 @@ struct RenderOptions {
 
 /// Where the camera sees the marker's corners.
 [[nodiscard]] ImageCorners true_corners(const CameraModel& camera, const RenderedMarker& marker);
-
-/// Mean length of the four sides (px).
-[[nodiscard]] double mean_side_px(const ImageCorners& corners);
 
 /// How a marker stands towards the camera.
 struct MarkerView {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "core/camera/kalibr.h"
-#include "core/capture/detections_csv.h"
+#include "core/capture/detections_csv_text.h"
 #include "core/map/marker_map.h"
 #include "tests/support/synthetic_room.h"
 #include "tests/support/temporary_folder.h"

@@ -9,10 +9,9 @@
 #include <functional>
 #include <random>
 
-#include "core/camera/kalibr.h"
+#include "core/capture/detections_csv_text.h"
+#include "tests/core/capture/csv_of_two_cameras.h"
 #include "tests/support/bad_input.h"
-#include "tests/support/temporary_folder.h"
-#include "tests/support/tiny_capture.h"
 
 namespace waymark {
 namespace {
@@ -21,22 +20,7 @@ using testing::HasSubstr;
 
 constexpr const char* kHeader = "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n";
 
-class DetectionsCsv : public testing::Test {
- protected:
-  [[nodiscard]] Expected<DetectionsTable> read(std::string_view text) const {
-    return read_detections_csv(folder_.write("detections.csv", text), rig_, catalog_);
-  }
-
-  [[nodiscard]] DetectionsTable good(std::string_view text) const {
-    auto table = read(text);
-    EXPECT_TRUE(table) << table.error().message;
-    return table ? *table : DetectionsTable();
-  }
-
-  TemporaryFolder folder_;
-  Rig rig_ = parse_camchain(tiny_rig_yaml(2), "rig.yaml")->rig;
-  MarkerCatalog catalog_ = *parse_marker_catalog(tiny_markers_toml(), "markers.toml");
-};
+using DetectionsCsv = test::CsvOfTwoCameras;
 
 TEST_F(DetectionsCsv, RowsBecomeImagesWithDetections) {
   const auto table = good(std::string(kHeader) +
@@ -141,68 +125,6 @@ TEST_F(DetectionsCsv, OrderOfTheRowsLeavesNoTrace) {
     std::shuffle(rows.begin(), rows.end(), random);
     EXPECT_EQ(format_detections_csv(good(text_of()).images, rig_, catalog_, "x"), expected);
   }
-}
-
-TEST_F(DetectionsCsv, WrittenTextReadsBackToTheSame) {
-  const std::string covariances =
-      ",sxx0,sxy0,syy0,sxx1,sxy1,syy1,sxx2,sxy2,syy2,sxx3,sxy3,syy3,hamming\n";
-  const auto table =
-      good("t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3" + covariances +
-           "5,cam0,3,1.1234,1,2,1,2,2,1,2,0.01,0.00123456789,0.02,1,0,1,1,0,1,1e-6,-2e-7,1e-6,1\n"
-           "6,cam1,,,,,,,,,,,,,,,,,,,,,,\n");
-  ASSERT_TRUE(table.images[0].detections[0].covariances);
-  EXPECT_EQ((*table.images[0].detections[0].covariances)[0](1, 0), 0.00123456789);
-
-  const std::string text = format_detections_csv(table.images, rig_, catalog_, "opencv+lines/1");
-  EXPECT_EQ(text.substr(0, text.find('\n')),
-            "# detector=opencv+lines/1 markers=" + catalog_.fingerprint());
-  const auto again = good(text);
-  EXPECT_EQ(again.detector, "opencv+lines/1");
-  ASSERT_EQ(again.images.size(), 2U);
-  EXPECT_TRUE(again.images[1].detections.empty());
-  const Detection& first = table.images[0].detections[0];
-  const Detection& back = again.images[0].detections[0];
-  EXPECT_EQ(back.marker, first.marker);
-  EXPECT_EQ(back.hamming, 1);
-  for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_EQ(back.corners[i], first.corners[i]);
-    EXPECT_EQ((*back.covariances)[i], (*first.covariances)[i]);
-  }
-  EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "opencv+lines/1"), text);
-}
-
-TEST_F(DetectionsCsv, NeedleShapedCovariancesSurviveWriting) {
-  std::vector<ImageDetections> images(1);
-  images[0].detections.resize(1);
-  Detection& detection = images[0].detections[0];
-  detection.marker = {Family::tag36h11, 3};
-  detection.corners = {{{1, 1}, {9, 1}, {9, 9}, {1, 9}}};
-  // Two edges that cross at 1°: 10,000 times longer than wide.
-  Eigen::Matrix2d needle;
-  needle << 0.33333333333, 0.33330000000, 0.33330000000, 0.33333333333;
-  detection.covariances.emplace().fill(needle);
-  EXPECT_EQ(good(format_detections_csv(images, rig_, catalog_, "x")).images.size(), 1U);
-}
-
-TEST_F(DetectionsCsv, CovariancesAreWrittenOnlyWhenEveryDetectionHasThem) {
-  std::vector<ImageDetections> images(1);
-  images[0].detections.resize(2);
-  images[0].detections[0].covariances.emplace().fill(Eigen::Matrix2d::Identity());
-  EXPECT_THAT(format_detections_csv(images, rig_, catalog_, "x"), Not(HasSubstr("sxx0")));
-  images[0].detections[1].covariances = images[0].detections[0].covariances;
-  EXPECT_THAT(format_detections_csv(images, rig_, catalog_, "x"), HasSubstr("sxx0"));
-}
-
-TEST_F(DetectionsCsv, CommentsHeadTheFileAndChangeNothing) {
-  const DetectionsTable table =
-      good("t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n5,cam0,3,1,1,2,1,2,2,1,2\n");
-  const std::string text =
-      format_detections_csv(table.images, rig_, catalog_, "x", {"cam0: edges", "cam1: edges"});
-  EXPECT_TRUE(text.starts_with("# cam0: edges\n# cam1: edges\n# detector=x"));
-  const DetectionsTable again = good(text);
-  EXPECT_EQ(again.detector, "x");
-  EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "x"),
-            format_detections_csv(table.images, rig_, catalog_, "x"));
 }
 
 TEST_F(DetectionsCsv, StaleFileIsAnError) {

@@ -103,19 +103,6 @@ TEST(EdgeBias, AMarkersOwnCountsByItsVariance) {
   EXPECT_NEAR(inset_of(clipped, camera), 0.3, 0.005);
 }
 
-TEST(MovedOutward, MovesEverySideByThatMuch) {
-  const ImageCorners corners{{{10, 12}, {60, 20}, {55, 70}, {8, 58}}};
-  const ImageCorners moved = moved_outward(corners, 0.4);
-  EXPECT_NEAR(testing::inset_px(corners, moved), 0.4, 1e-3);
-  const ImageCorners back = moved_outward(moved, -0.4);
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((back[i] - corners[i]).norm(), 1e-9);
-}
-
-TEST(MovedOutward, SidesOnOneLineStay) {
-  const ImageCorners line{{{0, 0}, {10, 0}, {20, 0}, {30, 0}}};
-  EXPECT_EQ(moved_outward(line, 1), line);
-}
-
 /// A camera as it may come.
 struct Camera {
   const char* name;

@@ -98,7 +98,7 @@ TEST_F(FourMarkers, AMarkerWithoutPaperOnOneSideIsDroppedAndCounted) {
 
 TEST_F(FourMarkers, AMarkerCutByTheImageIsDropped) {
   markers_.resize(1);
-  const double side = testing::mean_side_px(true_corners(camera_, markers_[0]));
+  const double side = mean_side_px(true_corners(camera_, markers_[0]));
   markers_[0].cam_from_marker =
       pose_seen_as(camera_, MarkerView{{0.3 * side, 240}, side, 0.1, 0, 0}, 1.0);
   render();

@@ -55,7 +55,7 @@ TEST(MarkerFit, FindsTheCornersUnderTheRightResponse) {
     ASSERT_TRUE(fits->of(right));
     EXPECT_LT(largest_error_px(fits->of(right)->corners, truth), 0.03) << srgb;
     EXPECT_NEAR(fits->of(right)->growth_px, 0, 0.02);
-    EXPECT_NEAR(fits->of(right)->inset_px, testing::inset_px(refined->corners, truth), 0.01);
+    EXPECT_NEAR(fits->of(right)->inset_px, inset_px(refined->corners, truth), 0.01);
     // The point spread and the pixel's square.
     EXPECT_NEAR(fits->of(right)->blur_px, std::hypot(options.psf_sigma_px, 0.289), 0.03);
     EXPECT_LT(fits->of(right)->misfit, fits->of(wrong)->misfit);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <limits>
 
 namespace waymark {
 namespace {
@@ -24,9 +25,27 @@ TEST(SquareHomography, LeadsTheUnitSquaresCornersToTheQuad) {
   EXPECT_NEAR(ac.x() * to_middle.y() - ac.y() * to_middle.x(), 0, 1e-9);
 }
 
-TEST(SquareHomography, OfCornersOnALineThereIsNone) {
-  const std::array<Eigen::Vector2d, 4> on_a_line{{{0, 0}, {1, 1}, {2, 2}, {3, 3}}};
-  EXPECT_FALSE(homography_from_unit_square(on_a_line));
+TEST(SquareHomography, OfThreeCornersOnALineThereIsNoneAtAnyScaleAndPlace) {
+  const std::array<Eigen::Vector2d, 4> all{{{10, 10}, {50, 50}, {90, 90}, {130, 130}}};
+  for (const double scale : {1e-6, 1e-3, 1.0, 0.1, 1e3}) {
+    for (std::size_t apart = 0; apart <= 4; ++apart) {
+      std::array<Eigen::Vector2d, 4> quad = all;
+      if (apart < 4) quad[apart] += Eigen::Vector2d(30, -7);
+      for (Eigen::Vector2d& corner : quad) corner = scale * (corner + Eigen::Vector2d(0.3, 0.7));
+      EXPECT_FALSE(homography_from_unit_square(quad)) << scale << " " << apart;
+    }
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(homography_from_unit_square({{{0, 0}, {1, nan}, {1, 1}, {0, 1}}}));
+}
+
+TEST(SquareHomography, ASmallOrNarrowQuadHasOne) {
+  for (const double scale : {1e-9, 1e-3, 1.0, 1e6}) {
+    for (const double narrow : {1e-6, 1.0}) {
+      EXPECT_TRUE(homography_from_unit_square(
+          {{{0, 0}, {scale, 0}, {scale, narrow * scale}, {0.1 * scale, 1.1 * narrow * scale}}}));
+    }
+  }
 }
 
 }  // namespace

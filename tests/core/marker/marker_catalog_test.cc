@@ -51,6 +51,9 @@ TEST(MarkerCatalog, PrintScaleMultipliesItsBlocksSizes) {
   EXPECT_EQ(catalog.size_m(tag(0)), 0.2);
   EXPECT_EQ(catalog.size_m(tag(7)), 0.5);
   EXPECT_EQ(catalog.size_m({Family::tag25h9, 0}), 0.3);
+  EXPECT_EQ(catalog.entries()[0].print_scale, 0.5);
+  EXPECT_EQ(catalog.entries()[1].print_scale, 1);
+  EXPECT_EQ(parsed(format_marker_catalog(catalog)).fingerprint(), catalog.fingerprint());
 }
 
 TEST(MarkerCatalog, MarkersOutsideItHaveNoSize) {

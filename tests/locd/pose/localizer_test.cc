@@ -365,22 +365,6 @@ TEST(Localizer, WhatAFrozenCameraGivesFirstAfterARestartMakesNoPose) {
   EXPECT_NE(status_of(10), PoseStatus::lost);
 }
 
-TEST(LocalizerOptions, TellWhichFieldLiesOutsideItsRange) {
-  EXPECT_TRUE(LocalizerOptions{}.check());
-  const auto said = [](const auto& change) {
-    LocalizerOptions options;
-    change(options);
-    const Status checked = options.check();
-    return checked ? std::string() : checked.error().message;
-  };
-  EXPECT_THAT(said([](auto& o) { o.prior_max_age_s = std::nan(""); }),
-              HasSubstr("prior_max_age_s"));
-  EXPECT_THAT(said([](auto& o) { o.gate.w_max_radps = 0.001; }), HasSubstr("w_max_radps"));
-  EXPECT_THAT(said([](auto& o) { o.gate.max_3sigma_m = -1; }), HasSubstr("max_3sigma_m"));
-  EXPECT_THAT(said([](auto& o) { o.gate.max_3sigma_rad = 0.2; }), HasSubstr("max_3sigma_rad"));
-  EXPECT_THAT(said([](auto& o) { o.detection_threads = -1; }), HasSubstr("detection_threads"));
-}
-
 TEST(Localizer, ImagesThatTheLibraryFailsOnAreLeftOutCountedAndSaid) {
   RoomDrive drive(test::make_room(usual(60)));
   Localizer localizer(drive.room().rig, test::room_map(drive.room()), {});

@@ -1,6 +1,6 @@
 #include "mapbuilder/bundle/prepared_observations.h"
 
-#include "mapbuilder/bundle/edge_bias.h"
+#include "core/marker/marker_outline.h"
 #include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {

@@ -1,7 +1,7 @@
 #include "mapbuilder/calibration/scale_bound.h"
 
+#include "core/marker/marker_outline.h"
 #include "mapbuilder/build/map_builder.h"
-#include "mapbuilder/bundle/edge_bias.h"
 #include "tests/mapbuilder/observations/room_observations.h"
 
 namespace waymark {

@@ -125,10 +125,18 @@ TEST_F(PrintedMarkers, ALostSheetIsPrintedAgainAndMarkersTomlStays) {
   EXPECT_NE(out_.str().find("(as it was)"), std::string::npos);
 }
 
+TEST_F(PrintedMarkers, ALostSheetIsPrintedAgainThoughTheRulerWasShort) {
+  folder_.write("markers.toml",
+                "[markers]\nfamily = \"tag36h11\"\nsize_m = 0.16\nprint_scale = 0.97\n");
+  const auto printed = print({{"tag36h11"}, {"17"}, {0.16}, "a4", {}});
+  EXPECT_TRUE(printed) << printed.error().message;
+  EXPECT_FALSE(print({{"tag36h11"}, {"17"}, {0.16 * 0.97}, "a4", {}}));
+}
+
 TEST_F(PrintedMarkers, AnotherSizeThanMarkersTomlStatesIsRefused) {
   ASSERT_TRUE(print({{"tag36h11"}, {"0-20"}, {0.16}, "a4", {}}));
   std::filesystem::remove(folder_.path() / "markers.pdf");
-  for (const auto& [ids, size_m] : {std::pair{"17", 0.2}, {"21", 0.16}}) {
+  for (const auto& [ids, size_m] : {std::pair{"17", 0.2}, {"17", 0.161}, {"21", 0.16}}) {
     const auto printed = print({{"tag36h11"}, {ids}, {size_m}, "a4", {}});
     ASSERT_FALSE(printed);
     EXPECT_EQ(printed.error().kind, ErrorKind::bad_data);
@@ -196,6 +204,9 @@ TEST(PrintAdviceCommand, RangesAndRigsAreChecked) {
     ASSERT_FALSE(advised);
     EXPECT_EQ(advised.error().kind, ErrorKind::usage);
   }
+  const auto without = run_print_advice({true, {}, 5}, out);
+  ASSERT_FALSE(without);
+  EXPECT_EQ(without.error().kind, ErrorKind::usage);
   const auto absent = run_print_advice({true, "/nowhere/rig.yaml", 5}, out);
   ASSERT_FALSE(absent);
   EXPECT_EQ(absent.error().kind, ErrorKind::no_input);

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "core/capture/detections_csv.h"
+#include "core/capture/detections_csv_text.h"
 #include "core/capture/image_file.h"
 #include "tests/support/marker_scene.h"
 #include "tests/support/temporary_folder.h"

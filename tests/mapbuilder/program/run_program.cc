@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "core/camera/kalibr.h"
-#include "core/capture/detections_csv.h"
+#include "core/capture/detections_csv_text.h"
 
 namespace waymark::test {
 namespace {

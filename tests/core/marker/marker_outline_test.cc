@@ -1,4 +1,4 @@
-#include "mapbuilder/bundle/edge_bias.h"
+#include "core/marker/marker_outline.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 namespace waymark {
 namespace {
 
-TEST(EdgeBias, MovesEveryEdgeOutByOnePixel) {
+TEST(MarkerOutline, MovesEverySideOutByOnePixel) {
   const ImageCorners quad{{{10, 10}, {60, 14}, {55, 70}, {8, 58}}};
   for (const bool mirrored : {false, true}) {
     ImageCorners corners = quad;
@@ -25,15 +25,34 @@ TEST(EdgeBias, MovesEveryEdgeOutByOnePixel) {
   }
 }
 
-TEST(EdgeBias, ASquareMovedInIsASmallerSquare) {
+TEST(MarkerOutline, ASquareMovedInIsASmallerSquare) {
   ImageCorners corners{{{10, 10}, {50, 10}, {50, 50}, {10, 50}}};
-  move_edges_in(0, corners);
+  move_sides_in(0, corners);
   EXPECT_EQ(corners[0], Eigen::Vector2d(10, 10));
-  move_edges_in(2, corners);
+  move_sides_in(2, corners);
   EXPECT_LT((corners[0] - Eigen::Vector2d(12, 12)).norm(), 1e-12);
   EXPECT_LT((corners[2] - Eigen::Vector2d(48, 48)).norm(), 1e-12);
-  move_edges_in(-2, corners);
+  move_sides_in(-2, corners);
   EXPECT_LT((corners[1] - Eigen::Vector2d(50, 10)).norm(), 1e-12);
+}
+
+TEST(MarkerOutline, HasACentreAndAMeanSide) {
+  const ImageCorners corners{{{10, 10}, {50, 10}, {50, 30}, {10, 30}}};
+  EXPECT_EQ(centre_of(corners), Eigen::Vector2d(30, 20));
+  EXPECT_EQ(mean_side_px(corners), 30);
+}
+
+TEST(MarkerOutline, InsetIsByWhatSidesWereMovedIn) {
+  const ImageCorners black{{{10, 12}, {60, 20}, {55, 70}, {8, 58}}};
+  for (const bool mirrored : {false, true}) {
+    ImageCorners outline = black;
+    if (mirrored) std::reverse(outline.begin(), outline.end());
+    for (const double px : {0.4, -0.3, 0.0}) {
+      ImageCorners given = outline;
+      move_sides_in(px, given);
+      EXPECT_NEAR(inset_px(given, outline), px, 1e-12);
+    }
+  }
 }
 
 }  // namespace
