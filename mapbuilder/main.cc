@@ -13,6 +13,8 @@
 #include "core/base/range.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"
+#include "mapbuilder/commands/diff_command.h"
+#include "mapbuilder/commands/edit_command.h"
 #include "mapbuilder/commands/evaluate_command.h"
 #include "mapbuilder/commands/export_command.h"
 #include "mapbuilder/commands/import_command.h"
@@ -176,8 +178,37 @@ Command add_info(CLI::App& app) {
   auto* sub = app.add_subcommand("info", "say what a map holds");
   auto options = std::make_shared<InfoOptions>();
   sub->add_option("MAP", options->map, "map file")->required();
+  sub->add_option("--distance", options->distance,
+                  "two ids: how far these markers are apart, and how sure that is");
   sub->add_flag("--json", options->json, "as JSON");
   return [options] { return run_info(*options, std::cout); };
+}
+
+Command add_edit(CLI::App& app) {
+  auto* sub = app.add_subcommand("edit", "change by hand what somebody knows about a map");
+  auto options = std::make_shared<EditOptions>();
+  sub->add_option("MAP", options->map, "map file")->required();
+  sub->add_option("-o,--output", options->output, "map file to write; may be MAP itself")
+      ->required();
+  sub->add_option("--remove", options->remove, "ids to take out, such as 100-199,205")
+      ->allow_extra_args(false);
+  sub->add_option("--rename", options->rename,
+                  "ID=ID, the old and the new name; again, or with a comma, for more")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  sub->add_option("--accept", options->accept,
+                  "ids that one view alone has placed, and that somebody has looked at")
+      ->allow_extra_args(false);
+  return [options] { return run_edit(*options, std::cout, std::cerr); };
+}
+
+Command add_diff(CLI::App& app) {
+  auto* sub = app.add_subcommand("diff", "say what differs between two maps of a building");
+  auto options = std::make_shared<DiffOptions>();
+  sub->add_option("OLD", options->old_map, "map file")->required();
+  sub->add_option("NEW", options->new_map, "map file")->required();
+  sub->add_flag("--json", options->json, "as JSON");
+  return [options] { return run_diff(*options, std::cout); };
 }
 
 Command add_export(CLI::App& app) {
@@ -244,6 +275,8 @@ int run(int argc, char** argv) {
   commands["build"] = add_build(app, progress);
   commands["localize"] = add_localize(app, progress);
   commands["info"] = add_info(app);
+  commands["edit"] = add_edit(app);
+  commands["diff"] = add_diff(app);
   commands["export"] = add_export(app);
   commands["import"] = add_import(app);
   commands["print"] = add_print(app);

@@ -182,28 +182,15 @@ class CatalogReader {
   Expected<std::vector<IdRange>> read_ids(const toml::node& node, Family family) const {
     std::vector<IdRange> ranges;
     const auto add = [&](std::string_view text, const toml::node& at) -> Status {
-      const auto range = parse_id_range(text);
-      if (!range) {
-        return fail(ErrorKind::bad_data, "{}: \"{}\" is no id and no range such as \"100-199\"",
-                    toml_place(name_, at), trimmed(text));
+      const auto parsed = parse_id_ranges(text, family);
+      if (!parsed) {
+        return fail(ErrorKind::bad_data, "{}: {}", toml_place(name_, at), parsed.error().message);
       }
-      if (range->last >= traits(family).id_count) {
-        return fail(ErrorKind::bad_data, "{}: id {}: {} has the ids 0 to {} only",
-                    toml_place(name_, at), range->last, name_of(family),
-                    traits(family).id_count - 1);
-      }
-      ranges.push_back(*range);
+      ranges.insert(ranges.end(), parsed->begin(), parsed->end());
       return {};
     };
     if (const auto text = node.value<std::string>()) {
-      for (std::size_t begin = 0; begin <= text->size();) {
-        const auto end = std::min(text->find(',', begin), text->size());
-        const auto part = std::string_view(*text).substr(begin, end - begin);
-        if (const auto status = add(part, node); !status) {
-          return tl::make_unexpected(status.error());
-        }
-        begin = end + 1;
-      }
+      if (auto added = add(*text, node); !added) return tl::make_unexpected(added.error());
       return ranges;
     }
     const toml::array* const list = node.as_array();
@@ -224,19 +211,6 @@ class CatalogReader {
 
   const std::string& name_;
 };
-
-/// "3-7, 9" from rising ids.
-std::string format_ids(const std::vector<int>& ids) {
-  std::string text;
-  for (std::size_t i = 0; i < ids.size();) {
-    std::size_t last = i;
-    while (last + 1 < ids.size() && ids[last + 1] == ids[last] + 1) ++last;
-    if (!text.empty()) text += ", ";
-    text += last == i ? fmt::format("{}", ids[i]) : fmt::format("{}-{}", ids[i], ids[last]);
-    i = last + 1;
-  }
-  return text;
-}
 
 }  // namespace
 
@@ -293,14 +267,14 @@ std::string format_marker_catalog(const MarkerCatalog& catalog) {
     text += fmt::format("[[markers]]\nfamily = \"{}\"\n", name_of(entry.family));
     if (entry.default_size_m) text += fmt::format("size_m = {}\n", *entry.default_size_m);
     if (!entry.ignored.empty()) {
-      text += fmt::format("ignore = \"{}\"\n",
-                          format_ids({entry.ignored.begin(), entry.ignored.end()}));
+      text += fmt::format("ignore = \"{}\"\n", format_id_ranges(std::vector<int>(
+                                                   entry.ignored.begin(), entry.ignored.end())));
     }
     std::map<double, std::vector<int>> ids_by_size;
     for (const auto& [id, size_m] : entry.size_m_by_id) ids_by_size[size_m].push_back(id);
     for (const auto& [size_m, ids] : ids_by_size) {
-      text +=
-          fmt::format("[[markers.sizes]]\nids = \"{}\"\nsize_m = {}\n", format_ids(ids), size_m);
+      text += fmt::format("[[markers.sizes]]\nids = \"{}\"\nsize_m = {}\n", format_id_ranges(ids),
+                          size_m);
     }
     text += '\n';
   }

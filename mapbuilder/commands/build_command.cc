@@ -12,6 +12,7 @@
 #include "core/map/map_check.h"
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
+#include "mapbuilder/build/frame_comparison.h"
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/build/trajectory_file.h"
 #include "mapbuilder/commands/build_summary.h"

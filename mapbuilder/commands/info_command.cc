@@ -11,6 +11,8 @@
 #include "core/map/json_value.h"
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
+#include "core/map/marker_distance.h"
+#include "core/map/marker_search.h"
 
 namespace waymark {
 namespace {
@@ -164,12 +166,91 @@ std::string format_text(const MarkerMap& map) {
   return text;
 }
 
+/// Two markers of one sub-map.
+struct MarkerPair {
+  std::size_t submap = 0;
+  const MapMarker* from = nullptr;
+  const MapMarker* to = nullptr;
+};
+
+Expected<MarkerPair> find_pair(const MarkerMap& map, const std::string& name,
+                               const std::pair<std::string, std::string>& asked) {
+  std::vector<MarkerId> ids;
+  for (const std::string& text : {asked.first, asked.second}) {
+    const auto id = parse_marker_id(text, map.families().only());
+    if (!id) return fail(id.error().kind, "--distance: {}", id.error().message);
+    ids.push_back(*id);
+  }
+  if (ids[0] == ids[1]) {
+    return fail(ErrorKind::usage, "--distance {} {}: one marker; name two", asked.first,
+                asked.second);
+  }
+  const auto found = find_markers(map, name, ids);
+  if (!found) return tl::make_unexpected(found.error());
+  const FoundMarker& from = (*found)[0];
+  const FoundMarker& to = (*found)[1];
+  if (from.submap != to.submap) {
+    const bool with_family = map.several_families();
+    return fail(ErrorKind::bad_data,
+                "{}: marker {} is in sub-map {}, marker {} in sub-map {}: nothing ties the two, "
+                "their distance is not known",
+                name, format_marker_id(ids[0], with_family), from.submap,
+                format_marker_id(ids[1], with_family), to.submap);
+  }
+  return MarkerPair{from.submap, from.marker, to.marker};
+}
+
+std::string text_of_distance(const MarkerDistance& distance) {
+  std::string text = fmt::format("distance     {:.6f} m, centre to centre\n", distance.distance_m);
+  if (distance.sigma_m) {
+    text += fmt::format(
+        "within map   sigma {:.3f} mm, the two taken as independent; {:.3f} mm at most\n",
+        1e3 * *distance.sigma_m, 1e3 * *distance.sigma_bound_m);
+  } else {
+    text += "within map   sigma unknown: the map holds none of them, or they stand at one point\n";
+  }
+  if (distance.sigma_metric_m) {
+    return text + fmt::format("metric       sigma {:.3f} mm at most, by measured lengths\n",
+                              1e3 * *distance.sigma_metric_m);
+  }
+  return text +
+         (distance.sigma_m
+              ? "metric       sigma unknown: the scale rests on stated marker sizes, and the map "
+                "does not hold how sure they are; build with --survey and a measured distance\n"
+              : "metric       sigma unknown\n");
+}
+
+std::string format_distance(const MarkerMap& map, const MarkerPair& pair, bool as_json) {
+  const MarkerDistance distance =
+      distance_between(*pair.from, *pair.to, map.submaps[pair.submap].frame);
+  if (!as_json) return text_of_distance(distance);
+  const bool with_family = map.several_families();
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? ordered_json(nine_decimals(*value)) : ordered_json(nullptr);
+  };
+  const ordered_json json{{"schema", kSchema},
+                          {"from", json_of(pair.from->id, with_family)},
+                          {"to", json_of(pair.to->id, with_family)},
+                          {"submap", pair.submap},
+                          {"distance_m", nine_decimals(distance.distance_m)},
+                          {"sigma_m", or_null(distance.sigma_m)},
+                          {"sigma_bound_m", or_null(distance.sigma_bound_m)},
+                          {"sigma_metric_m", or_null(distance.sigma_metric_m)}};
+  return json.dump(2) + "\n";
+}
+
 }  // namespace
 
 Status run_info(const InfoOptions& options, std::ostream& out) {
   const auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
-  out << (options.json ? format_json(*map) : format_text(*map));
+  if (!options.distance) {
+    out << (options.json ? format_json(*map) : format_text(*map));
+    return {};
+  }
+  const auto pair = find_pair(*map, options.map.string(), *options.distance);
+  if (!pair) return tl::make_unexpected(pair.error());
+  out << format_distance(*map, *pair, options.json);
   return {};
 }
 

@@ -32,19 +32,11 @@ Expected<Family> family_named(const std::string& name) {
 }
 
 Expected<std::vector<int>> numbers_of(const std::string& ids, Family family) {
+  const auto ranges = parse_id_ranges(ids, family);
+  if (!ranges) return fail(ErrorKind::usage, "--ids {}: {}", ids, ranges.error().message);
   std::vector<int> numbers;
-  for (std::size_t begin = 0; begin <= ids.size();) {
-    const auto end = std::min(ids.find(',', begin), ids.size());
-    const auto range = parse_id_range(std::string_view(ids).substr(begin, end - begin));
-    if (!range) {
-      return fail(ErrorKind::usage, "--ids {}: write ids and ranges such as 0-199,205", ids);
-    }
-    if (range->last >= traits(family).id_count) {
-      return fail(ErrorKind::usage, "--ids {}: {} has the ids 0 to {} only", ids, name_of(family),
-                  traits(family).id_count - 1);
-    }
-    for (int id = range->first; id <= range->last; ++id) numbers.push_back(id);
-    begin = end + 1;
+  for (const IdRange& range : *ranges) {
+    for (int id = range.first; id <= range.last; ++id) numbers.push_back(id);
   }
   return numbers;
 }

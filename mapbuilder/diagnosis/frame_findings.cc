@@ -8,7 +8,7 @@ namespace waymark {
 
 namespace {
 
-Finding moved(const MovedMarker& marker, std::size_t unmoved, bool with_family) {
+Finding moved(const ComparedMarker& marker, std::size_t unmoved, bool with_family) {
   Finding finding;
   finding.cause = Cause::moved;
   finding.subject = subject_of({marker.id}, with_family);
@@ -41,8 +41,8 @@ void add_listed(const std::vector<MarkerId>& markers, bool with_family, const ch
 
 std::vector<Finding> frame_findings(const FrameComparison& comparison, bool with_family) {
   std::vector<Finding> findings;
-  for (const MovedMarker& marker : comparison.moved) {
-    findings.push_back(moved(marker, comparison.unmoved, with_family));
+  for (const ComparedMarker& marker : comparison.moved) {
+    findings.push_back(moved(marker, comparison.stayed.size(), with_family));
   }
   add_listed(comparison.appeared, with_family, "new: mapped now and not in the earlier map.", "",
              findings);

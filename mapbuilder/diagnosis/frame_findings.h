@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <vector>
 
+#include "mapbuilder/build/frame_comparison.h"
 #include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/diagnosis/finding.h"
 

@@ -11,7 +11,7 @@
 #include "core/base/median.h"
 #include "core/geometry/alignment.h"
 #include "core/geometry/degrees.h"
-#include "mapbuilder/build/world_frame.h"
+#include "mapbuilder/build/frame_comparison.h"
 #include "mapbuilder/diagnosis/length_unit.h"
 #include "mapbuilder/diagnosis/place_agreement.h"
 

@@ -9,9 +9,9 @@
 namespace waymark {
 namespace {
 
-const MovedMarker* find(const std::vector<MovedMarker>& markers, const MarkerId& id) {
+const ComparedMarker* find(const std::vector<ComparedMarker>& markers, const MarkerId& id) {
   const auto found = std::find_if(markers.begin(), markers.end(),
-                                  [&](const MovedMarker& marker) { return marker.id == id; });
+                                  [&](const ComparedMarker& marker) { return marker.id == id; });
   return found == markers.end() ? nullptr : &*found;
 }
 
@@ -30,7 +30,7 @@ Finding about(const MarkerId& marker, bool with_family) {
   return finding;
 }
 
-Finding confirmed(const QuarantinedMarker& quarantined, const MovedMarker& moved,
+Finding confirmed(const QuarantinedMarker& quarantined, const ComparedMarker& moved,
                   bool with_family) {
   Finding finding = about(quarantined.marker, with_family);
   finding.severity = Severity::note;
@@ -43,7 +43,8 @@ Finding confirmed(const QuarantinedMarker& quarantined, const MovedMarker& moved
   return finding;
 }
 
-Finding refuted(const QuarantinedMarker& quarantined, const MovedMarker& place, bool with_family) {
+Finding refuted(const QuarantinedMarker& quarantined, const ComparedMarker& place,
+                bool with_family) {
   Finding finding = about(quarantined.marker, with_family);
   finding.text = fmt::format(
       "in quarantine, but stands where it stood, within {:.1f} mm and {:.2f}° of its place in the "
@@ -90,9 +91,9 @@ std::vector<Finding> quarantine_findings(const Quarantine& quarantine, const Bui
   std::vector<MarkerId> known_now;
   for (const QuarantinedMarker& marker : quarantine.markers) {
     const bool moved = marker.state == QuarantineState::moved;
-    const MovedMarker* elsewhere =
+    const ComparedMarker* elsewhere =
         comparison != nullptr ? find(comparison->moved, marker.marker) : nullptr;
-    const MovedMarker* in_place =
+    const ComparedMarker* in_place =
         comparison != nullptr ? find(comparison->suspects_in_place, marker.marker) : nullptr;
     if (!is_mapped(result, marker.marker)) {
       not_mapped.push_back(marker.marker);

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/map/quarantine.h"
+#include "mapbuilder/build/frame_comparison.h"
 #include "mapbuilder/build/map_builder.h"
-#include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/diagnosis/finding.h"
 
 namespace waymark {

@@ -28,8 +28,9 @@ MAY_INCLUDE = {
     "mapbuilder/diagnosis": ["mapbuilder/build"],
     "mapbuilder/evaluate": ["mapbuilder/build"],
     "mapbuilder/report": ["mapbuilder/diagnosis", "mapbuilder/evaluate"],
+    "mapbuilder/upkeep": ["mapbuilder/diagnosis"],
     "mapbuilder/print": ["core/camera", "core/marker"],
-    "mapbuilder/commands": ["mapbuilder/report", "mapbuilder/print"],
+    "mapbuilder/commands": ["mapbuilder/report", "mapbuilder/print", "mapbuilder/upkeep"],
     "simulator": ["core/capture"],
     "drivers": ["core/capture"],
     "locd": ["core/camera", "core/marker"],  # the words that all its rooms share

@@ -3,121 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
-#include "tests/support/expect_ranges.h"
+#include "tests/support/hall_map.h"
 
 namespace waymark {
 namespace {
 
 MarkerId id(int number) { return {Family::tag36h11, number}; }
 
-/// A hall's walls with `count` markers, 1 mm sure each; seeded noise of that size.
-SubMap hall(int count, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0, 0.0007);
-  SubMap map;
-  for (int i = 0; i < count; ++i) {
-    MapMarker marker;
-    marker.id = id(i);
-    const double along = 1.3 * i;
-    const bool left = i % 2 == 0;
-    marker.world_from_marker = {so3_exp(Eigen::Vector3d(0, 0, left ? 0.0 : M_PI)) *
-                                    so3_exp(Eigen::Vector3d(M_PI / 2, 0, 0)),
-                                {along + noise(random), (left ? 4.0 : -4.0) + noise(random),
-                                 1.0 + 0.3 * (i % 3) + noise(random)}};
-    marker.covariance = 1e-6 * Matrix6d::Identity();
-    map.markers.push_back(marker);
-  }
-  return map;
-}
-
-const Rigid3 kOldFromNew{so3_exp(Eigen::Vector3d(0.2, -0.1, 2.0)), {10, -3, 1}};
-
-SubMap seen_from(SubMap map, const Rigid3& new_from_old) {
-  for (MapMarker& marker : map.markers) {
-    marker.world_from_marker = new_from_old * marker.world_from_marker;
-  }
-  return map;
-}
-
-TEST(CompareFrames, NamesExactlyWhatMovedAppearedAndVanished) {
-  SubMap old = hall(30, 1);
-  SubMap now = hall(30, 2);
-  now.markers[4].world_from_marker.translation.x() += 0.05;
-  now.markers[11].world_from_marker.translation.y() += 0.3;
-  now.markers[20].world_from_marker.rotation =
-      so3_exp(Eigen::Vector3d(0, 0, 0.17)) * now.markers[20].world_from_marker.rotation;
-  now.markers.erase(now.markers.begin() + 7);   // vanished
-  old.markers.erase(old.markers.begin() + 25);  // appeared
-  const auto comparison = compare_frames(seen_from(now, kOldFromNew.inverse()), old);
-  ASSERT_TRUE(comparison);
-  std::vector<MarkerId> moved;
-  for (const MovedMarker& marker : comparison->moved) moved.push_back(marker.id);
-  EXPECT_EQ(moved, (std::vector<MarkerId>{id(4), id(11), id(20)}));
-  EXPECT_EQ(comparison->appeared, std::vector<MarkerId>{id(25)});
-  EXPECT_EQ(comparison->vanished, std::vector<MarkerId>{id(7)});
-  EXPECT_EQ(comparison->unmoved, 25U);
-  EXPECT_NEAR(comparison->moved[0].distance_m, 0.05, 0.003);
-  EXPECT_NEAR(comparison->moved[2].turn_rad, 0.17, 0.005);
-  const Vector6d off = comparison->old_from_new.minus(kOldFromNew);
-  EXPECT_LT((comparison->old_from_new * Eigen::Vector3d(20, 0, 0) -
-             kOldFromNew * Eigen::Vector3d(20, 0, 0))
-                .norm(),
-            std::sqrt(3.0) * 0.001)
-      << "a waypoint stays within the map's own sigma, 1 mm an axis; " << off.transpose();
-}
-
-TEST(CompareFrames, SuspectsCarryNothingAndAreJudged) {
-  const SubMap old = hall(30, 1);
-  SubMap now = hall(30, 2);
-  // Most of what is common has moved alike: without suspicion it would carry the frame away.
-  std::set<MarkerId> suspects;
-  for (int i = 0; i < 18; ++i) {
-    now.markers[static_cast<std::size_t>(i)].world_from_marker.translation.x() += 0.5;
-    suspects.insert(id(i));
-  }
-  suspects.insert(id(20));  // which has not
-  const auto carried = compare_frames(now, old);
-  ASSERT_TRUE(carried);
-  EXPECT_EQ(carried->moved.size(), 12U);
-  const auto comparison = compare_frames(now, old, suspects);
-  ASSERT_TRUE(comparison);
-  EXPECT_EQ(comparison->moved.size(), 18U);
-  EXPECT_EQ(comparison->unmoved, 11U);
-  ASSERT_EQ(comparison->suspects_in_place.size(), 1U);
-  EXPECT_EQ(comparison->suspects_in_place[0].id, id(20));
-}
-
-TEST(CompareFrames, UnknownCovariancesLeaveThePlainLimits) {
-  SubMap old = hall(20, 3);
-  SubMap now = hall(20, 3);
-  for (MapMarker& marker : now.markers) marker.covariance = unknown_covariance();
-  now.markers[9].world_from_marker.translation.z() += 0.013;
-  const auto comparison = compare_frames(now, old);
-  ASSERT_TRUE(comparison);
-  EXPECT_EQ(comparison->moved.size(), 1U);
-}
-
-TEST(CompareFrames, JustBelowTheLimitIsNotMovedJustAboveIs) {
-  const SubMap old = hall(20, 3);
-  for (const double shift_m : {0.008, 0.013}) {
-    SubMap now = hall(20, 3);
-    now.markers[9].world_from_marker.translation.z() += shift_m;
-    const auto comparison = compare_frames(now, old);
-    ASSERT_TRUE(comparison);
-    EXPECT_EQ(comparison->moved.size(), shift_m > 0.01 ? 1U : 0U) << shift_m;
-  }
-}
-
-TEST(CompareFrames, NeedsThreeMarkersThatAgree) {
-  EXPECT_FALSE(compare_frames(hall(2, 1), hall(2, 2)));
-  SubMap other = hall(10, 1);
-  for (std::size_t i = 0; i < other.markers.size(); ++i) {
-    other.markers[i].world_from_marker.translation *= 1.0 + 0.3 * static_cast<double>(i);
-  }
-  EXPECT_FALSE(compare_frames(other, hall(10, 2)));
-}
+using test::hall;
 
 TEST(LevelWorld, WallsMakeZPointUp) {
   BuiltSubMap submap;
@@ -159,11 +53,6 @@ TEST(MoveWorld, CarriesCovarianceAndTrajectoryAlong) {
   EXPECT_LT((submap.map.markers[0].covariance.diagonal() - expected).norm(), 1e-12);
   EXPECT_LT((submap.trajectory[0].world_from_rig.translation - Eigen::Vector3d(1, 0, 0)).norm(),
             1e-12);
-}
-
-TEST(MovedLimits, AreHeldToTheirRanges) {
-  expect_ranges<MovedLimits>({ranged("distance_m", &MovedLimits::distance_m, {0.001, 1}),
-                              ranged("turn_rad", &MovedLimits::turn_rad, {0.005, 0.5})});
 }
 
 }  // namespace
