@@ -36,8 +36,8 @@ const Finding* of(const std::vector<Finding>& findings, const char* text,
 
 TEST(QuarantineFindings, ConfirmRefuteAndNameWhatNothingTells) {
   FrameComparison comparison;
-  comparison.moved = {{id(1), 0.26, 0.01}};
-  comparison.suspects_in_place = {{id(2), 0.001, 0.001}};
+  comparison.moved = {{id(1), 0.26, 0.01, {}, {}}};
+  comparison.suspects_in_place = {{id(2), 0.001, 0.001, {}, {}}};
   const auto findings = quarantine_findings(kQuarantine, mapped(), &comparison, false);
   EXPECT_EQ(findings.size(), 5U);
   const Finding* confirmed = of(findings, "the vehicle was right", {id(1)});
