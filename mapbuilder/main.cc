@@ -21,6 +21,7 @@
 #include "mapbuilder/commands/info_command.h"
 #include "mapbuilder/commands/localize_command.h"
 #include "mapbuilder/commands/print_command.h"
+#include "mapbuilder/commands/update_command.h"
 
 namespace waymark {
 namespace {
@@ -158,6 +159,26 @@ Command add_build(CLI::App& app, Progress& progress) {
   };
 }
 
+Command add_update(CLI::App& app, Progress& progress) {
+  auto* sub =
+      app.add_subcommand("update", "bring a map up to date by captures that see some of it");
+  auto options = std::make_shared<UpdateCommandOptions>();
+  sub->add_option("OLD", options->old_map, "map file")->required();
+  sub->add_option("CAPTURE", options->input.paths, "capture folders, or videos with --rig")
+      ->required();
+  sub->add_option("-o,--output", options->output, "map file to write; may be OLD itself")
+      ->required();
+  sub->add_option("--quarantine", options->quarantine,
+                  "quarantine.json of a vehicle: what it found moved does not carry the world");
+  sub->add_flag("--drop-unseen", options->drop_unseen,
+                "markers that are not seen where they should be leave the map");
+  sub->add_option("--report", options->report, "folder for summary.json and a page (index.html)");
+  add_rules_options(*sub, options->rules);
+  add_input_options(*sub, options->input);
+  add_estimation_options(*sub, options->build);
+  return [options, &progress] { return run_update(*options, progress, std::cout, std::cerr); };
+}
+
 Command add_localize(CLI::App& app, Progress& progress) {
   auto* sub = app.add_subcommand("localize", "localize a capture against a finished map");
   auto options = std::make_shared<LocalizeOptions>();
@@ -273,6 +294,7 @@ int run(int argc, char** argv) {
   std::map<std::string, Command> commands;
   commands["detect"] = add_detect(app, progress);
   commands["build"] = add_build(app, progress);
+  commands["update"] = add_update(app, progress);
   commands["localize"] = add_localize(app, progress);
   commands["info"] = add_info(app);
   commands["edit"] = add_edit(app);

@@ -35,4 +35,11 @@ namespace waymark {
   return path_beside(path, camera);
 }
 
+/// Where a map goes that must not be used.
+[[nodiscard]] inline std::filesystem::path rejected_path(const std::filesystem::path& map) {
+  std::filesystem::path rejected = map;
+  rejected += ".rejected";
+  return rejected;
+}
+
 }  // namespace waymark

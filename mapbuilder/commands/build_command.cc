@@ -306,13 +306,6 @@ Expected<ReportFolder> write_report(const BuildCommandOptions& options, const Bu
   return ReportFolder::write(*options.report, report);
 }
 
-/// Where a map goes that must not be used.
-fs::path rejected_path(const fs::path& map) {
-  fs::path rejected = map;
-  rejected += ".rejected";
-  return rejected;
-}
-
 }  // namespace
 
 Status run_build(const BuildCommandOptions& options, Progress& progress, std::ostream& out,

@@ -4,6 +4,7 @@
 
 #include "core/map/map_file.h"
 #include "core/map/marker_search.h"
+#include "core/map/quarantine.h"
 #include "tests/mapbuilder/program/run_program.h"
 #include "tests/support/small_map.h"
 
@@ -73,6 +74,136 @@ TEST_F(Upkeep, OneMapIsTheSameMap) {
   EXPECT_EQ(diff.exit_code, 0) << diff.err;
   EXPECT_EQ(diff.out.rfind("the same map: ", 0), 0U) << diff.out;
   EXPECT_EQ(run_mapbuilder({"diff", path("hall.map"), path("absent.map")}).exit_code, 66);
+}
+
+MarkerId id(int number) { return {Family::tag36h11, number}; }
+
+/// A hall that was mapped, and a round through it on a later day: 7 hangs where 5 hung, 39 is gone,
+/// 40 has come.
+class Update : public testing::Test {
+ protected:
+  Update() {
+    test::RoomOptions options;
+    options.noise_px = 0.2;
+    auto then = test::make_room(options);
+    test::write_capture(then, path("then"));
+    options.frame_sets = 50;
+    auto now = test::make_room(options);
+    const Rigid3 place = now.world_from_marker[5];
+    for (ImageDetections& image : now.images) {
+      std::erase_if(image.detections, [](const Detection& d) {
+        return d.marker.number == 5 || d.marker.number == 7 || d.marker.number == 39;
+      });
+    }
+    test::hang(now, 7, place, options.marker_m, [](Stamp) { return true; });
+    test::hang(now, 40,
+               now.world_from_marker[5] * Rigid3{Eigen::Quaterniond::Identity(), {0.6, 0, 0}},
+               options.marker_m, [](Stamp) { return true; });
+    test::write_capture(now, path("now"));
+    built = run_mapbuilder({"build", path("then"), "-o", path("old.map")});
+  }
+
+  [[nodiscard]] std::string path(const char* name) const { return (folder.path() / name).string(); }
+
+  [[nodiscard]] test::ProgramRun update(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"update", path("old.map"), path("now"), "-o", path("new.map")});
+    return run_mapbuilder(more);
+  }
+
+  test::TemporaryFolder folder;
+  test::ProgramRun built;
+};
+
+TEST_F(Update, NamesWhatHasChangedAndWritesTheMap) {
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  const auto run = update({"--report", path("report")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.out.find("1 moved, 1 new, 2 not where they should be"), std::string::npos)
+      << run.out;
+  EXPECT_NE(run.err.find("were taken as independent of each other"), std::string::npos) << run.err;
+  const auto map = read_map_file(path("new.map"));
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->submaps[0].markers.size(), 41U);
+  EXPECT_FALSE(find_marker(map->submaps[0], id(39))->verified);
+  EXPECT_EQ(map->capture_fingerprints.size(), 2U);
+  const auto summary = nlohmann::json::parse(folder.read("report/summary.json"));
+  int missing = 0;
+  for (const auto& finding : summary.at("findings")) {
+    missing += finding.at("text").get<std::string>().rfind("not seen where", 0) == 0 ? 1 : 0;
+  }
+  EXPECT_EQ(missing, 2);
+  const auto diff = run_mapbuilder({"diff", path("old.map"), path("new.map"), "--json"});
+  const auto json = nlohmann::json::parse(diff.out);
+  EXPECT_EQ(json["appeared"], nlohmann::json({40}));
+  EXPECT_EQ(json["vanished"], nlohmann::json::array());
+  EXPECT_LT(json["submaps"][0]["world_shift_m"].get<double>(), 0.001);
+}
+
+TEST_F(Update, WhatIsMissingLeavesByDropUnseenAlone) {
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  const auto run = update({"--drop-unseen"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const auto map = read_map_file(path("new.map"));
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->submaps[0].markers.size(), 39U);
+  EXPECT_EQ(find_marker(map->submaps[0], id(5)), nullptr);
+  EXPECT_EQ(find_marker(map->submaps[0], id(39)), nullptr);
+}
+
+TEST_F(Update, AQuarantineIsConfirmedAndRefuted) {
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  const auto write = [&](const std::string& hash) {
+    ASSERT_TRUE(
+        write_quarantine(path("quarantine.json"), {hash,
+                                                   {{id(7), QuarantineState::moved, 1, 2.9},
+                                                    {id(11), QuarantineState::moved, 1, 0.05},
+                                                    {id(40), QuarantineState::unknown, 1, 0}}}));
+  };
+  write(content_hash(*read_map_file(path("old.map"))));
+  const auto run = update({"--quarantine", path("quarantine.json"), "--report", path("report")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const std::string summary = folder.read("report/summary.json");
+  EXPECT_NE(summary.find("the vehicle was right"), std::string::npos);
+  EXPECT_NE(summary.find("stands where it stood"), std::string::npos);
+  EXPECT_NE(summary.find("unknown to the vehicle, mapped now"), std::string::npos);
+  write("00000000000000ff");
+  EXPECT_EQ(update({"--quarantine", path("quarantine.json")}).exit_code, 65);
+}
+
+TEST_F(Update, WhateverFailsLeavesWhatStoodThere) {
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  folder.write("new.map", "what stood there");
+  const auto strict = update({"--strict"});
+  EXPECT_EQ(strict.exit_code, 65) << strict.err;
+  EXPECT_NE(strict.err.find("errors stand against it"), std::string::npos) << strict.err;
+  EXPECT_TRUE(read_map_file(path("new.map.rejected")));
+  const auto twice =
+      run_mapbuilder({"update", path("old.map"), path("then"), "-o", path("new.map")});
+  EXPECT_EQ(twice.exit_code, 65);
+  EXPECT_NE(twice.err.find("count twice"), std::string::npos) << twice.err;
+  test::RoomOptions other;
+  other.seed = 9;
+  other.room_m = 12;
+  test::write_capture(test::make_room(other), path("elsewhere"));
+  const auto place =
+      run_mapbuilder({"update", path("old.map"), path("elsewhere"), "-o", path("new.map")});
+  EXPECT_EQ(place.exit_code, 65) << place.err;
+  EXPECT_NE(place.err.find("[other_place]"), std::string::npos) << place.err;
+  EXPECT_EQ(run_mapbuilder({"update", path("old.map"), "-o", path("new.map")}).exit_code, 64);
+  EXPECT_EQ(run_mapbuilder({"update", path("x.map"), path("now"), "-o", path("new.map")}).exit_code,
+            66);
+  EXPECT_EQ(
+      run_mapbuilder({"update", path("old.map"), path("now"), "-o", path("now/detections.csv")})
+          .exit_code,
+      64);
+  EXPECT_EQ(folder.read("new.map"), "what stood there");
+}
+
+TEST_F(Update, MayTakeTheOldMapsPlace) {
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  const auto run = run_mapbuilder({"update", path("old.map"), path("now"), "-o", path("old.map")});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_EQ(read_map_file(path("old.map"))->submaps[0].markers.size(), 41U);
 }
 
 }  // namespace
