@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "mapbuilder/diagnosis/capture_causes.h"
@@ -13,12 +14,12 @@
 namespace waymark {
 namespace {
 
-/// Whether something that all observations share is wrong.
+/// Whether something that all observations, or all of a camera, share is wrong.
 bool is_contradicted(const BuildResult& plain, const FitQuality& quality) {
   const CalibrationResult& calibration = plain.calibration;
   return calibration.extrinsics_cost_ratio < kExplainsTooLittle ||
          calibration.intrinsics_cost_ratio < kExplainsTooLittle || quality.contradicts() ||
-         quality.joint_px > kPoorFit_px;
+         quality.worst_camera_px > kPoorFit_px;
 }
 
 void multiply_sizes(DetectedCapture& capture, double by) {
@@ -72,6 +73,26 @@ Finding other_place(const std::string& kept, const std::string& other) {
 /// few centimetres or degrees off make less, inverted and exchanged ones ten and more.
 constexpr double kHopeless_px = kLargestModelSigmaOfOneCamera;
 
+Finding unexplained_misfit(const FitQuality& quality) {
+  Finding finding;
+  finding.severity = Severity::error;
+  finding.cause = Cause::map_misfit;
+  finding.subject = "map";
+  finding.text = fmt::format(
+      "the images of the worst camera miss it by {} where each marker alone fits to {:.2f} px, and "
+      "no single cause explains that: no marker is judged.",
+      std::isfinite(quality.worst_camera_px) ? fmt::format("{:.1f} px", quality.worst_camera_px)
+                                             : std::string("more than half of its markers"),
+      quality.own_px);
+  finding.remedy =
+      "Check rig.yaml, the stamps, and sizes and ids in markers.toml; build each camera alone with "
+      "--mono.";
+  if (std::isfinite(quality.worst_camera_px)) {
+    finding.figures = {{"worst camera", quality.worst_camera_px, "px", {}}};
+  }
+  return finding;
+}
+
 class ExplainedBuilder {
  public:
   ExplainedBuilder(const std::vector<DetectedCapture>& captures, Observations observations,
@@ -96,12 +117,15 @@ class ExplainedBuilder {
     if (!options_.survey.empty()) {
       if (auto held = hold_survey_against_it(); !held) return tl::make_unexpected(held.error());
     }
+    if (!plain_) build_plainly();
+    const bool unexplained = is_unexplained();
     BuildOptions options = options_;
     options.survey = build_.survey;
     const bool takes_more = options.refine.any() || !options.survey.empty();
     build_.diagnosed = build_and_diagnose(build_.observations, options, {}, progress_,
                                           takes_more ? std::nullopt : std::move(plain_));
     if (!z_is_up_) say_that_z_is_not_up();
+    if (unexplained) name_no_marker();
     return std::move(build_);
   }
 
@@ -113,7 +137,7 @@ class ExplainedBuilder {
     options.growth.give_up_sigma_px = give_up_px;
     plain_ = build_map(selection, options, progress_);
     if (plain_->given_up) {
-      quality_ = {0, give_up_px};
+      quality_ = {0, give_up_px, give_up_px};
       return;
     }
     quality_ = fit_quality(selection, plain_->estimate);
@@ -240,6 +264,26 @@ class ExplainedBuilder {
     if (so_px * kSays < *stated_px_) return true;
     if (so_px > kSays * *stated_px_) return false;
     return std::nullopt;
+  }
+
+  /// Whether a camera as a whole still misses, and cameras that stand elsewhere on the rig would,
+  /// too.
+  bool is_unexplained() {
+    if (!quality_.contradicts()) return false;
+    const auto& fitted = plain_->calibration.rigs_fitted;
+    if (fitted.empty()) return true;
+    Observations elsewhere = build_.observations;
+    elsewhere.rigs = fitted;
+    const Selection selection(elsewhere);
+    return fit_quality(selection, build_map(selection, as_stated_, progress_).estimate)
+        .contradicts();
+  }
+
+  /// Markers are judged by what most observations of a camera agree on; where that is nothing,
+  /// those that disagree are no more to blame than the rest.
+  void name_no_marker() {
+    build_.diagnosed.findings.clear();
+    build_.causes.push_back(unexplained_misfit(quality_));
   }
 
   void say_that_z_is_not_up() {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/base/median.h"
 #include "mapbuilder/diagnosis/square_equations.h"
@@ -12,6 +13,8 @@ namespace {
 
 /// Observations that the yardstick is taken of; of more, every n-th.
 constexpr std::size_t kMaxJudged = 1000;
+/// Markers by which a camera is judged; of fewer, two that moved or are misread are half. (4–20)
+constexpr std::size_t kTellsOfCamera = 6;
 
 double sigma_of(std::vector<double> squared, double median_chi2) {
   if (squared.empty()) return std::numeric_limits<double>::infinity();
@@ -38,6 +41,21 @@ double joint_residual(const Observations& observations, const Estimate& estimate
   return residuals ? sum_of_squares(*residuals) : kFar;
 }
 
+/// Squared residuals (px²) of the observations by camera and marker.
+using JointResiduals = std::map<CameraIndex, std::map<MarkerIndex, std::vector<double>>>;
+
+/// The worst camera's (px), 0 where none sees enough markers.
+double worst_of(JointResiduals joint) {
+  double worst_px = 0;
+  for (auto& [camera, by_marker] : joint) {
+    if (by_marker.size() < kTellsOfCamera) continue;
+    std::vector<double> medians;
+    for (auto& [marker, squared] : by_marker) medians.push_back(upper_median(squared));
+    worst_px = std::max(worst_px, sigma_of(std::move(medians), kMedianOfChi2_8));
+  }
+  return worst_px;
+}
+
 }  // namespace
 
 FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
@@ -56,11 +74,17 @@ FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
     const CameraModel& camera = estimate.calibration.camera(observations, o).model;
     if (const auto squared = own_misfit_px2(camera, o.corners_px)) own.push_back(*squared);
   }
-  std::vector<double> joint;
+  std::vector<double> all;
+  JointResiduals by_camera;
   for (const ObservationIndex index : judged) {
-    joint.push_back(joint_residual(observations, estimate, selection[index]));
+    const Observation& o = selection[index];
+    all.push_back(joint_residual(observations, estimate, o));
+    by_camera[o.camera][o.marker].push_back(all.back());
   }
-  return {sigma_of(std::move(own), kMedianOfChi2_2), sigma_of(std::move(joint), kMedianOfChi2_8)};
+  FitQuality quality{sigma_of(std::move(own), kMedianOfChi2_2),
+                     sigma_of(std::move(all), kMedianOfChi2_8), 0};
+  quality.worst_camera_px = std::max(quality.joint_px, worst_of(std::move(by_camera)));
+  return quality;
 }
 
 }  // namespace waymark

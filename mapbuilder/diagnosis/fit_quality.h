@@ -13,9 +13,15 @@ struct FitQuality {
   double own_px = 0;    ///< of markers' own poses, two freedoms each
   double joint_px = 0;  ///< of all usable observations in the build, those without a pose as far
                         ///< off as can be
-  /// Something that all observations share is wrong: corners are good for `own_px`, and together
-  /// they miss by more than four times that and a fifth of a pixel.
-  [[nodiscard]] bool contradicts() const { return joint_px > 4.0 * own_px && joint_px > 0.2; }
+  /// Of the camera that fits worst, the median over its markers of each one's median, where it sees
+  /// six markers or more; no less than `joint_px`. Two cameras that agree outvote a third in every
+  /// median of all, and a marker that rides along is seen in each image.
+  double worst_camera_px = 0;
+  /// Something that all observations, or all of a camera, share is wrong: corners are good for
+  /// `own_px`, and together they miss by more than four times that and a fifth of a pixel.
+  [[nodiscard]] bool contradicts() const {
+    return worst_camera_px > 4.0 * own_px && worst_camera_px > 0.2;
+  }
 };
 
 /// A build that misses by more than this (px) is poor whatever the yardstick says: a lens that is

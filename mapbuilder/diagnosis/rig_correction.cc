@@ -79,7 +79,7 @@ Finding finding_of(const RigExplanation& explanation, const Rig& rig) {
 void put_right(const RigExplanation& explanation, DetectedCapture& capture,
                LensEvidence& evidence) {
   if (explanation.leave_out) return leave_out(explanation, capture);
-  if (explanation.cause == Cause::rig_exchanged) {
+  if (explanation.exchanges_lenses) {
     return exchange(explanation.cameras[0], explanation.cameras[1], capture, evidence);
   }
   if (explanation.turns_lenses) return turn_cameras(explanation.cameras, capture.rig);

@@ -25,6 +25,7 @@ struct RigExplanation {
   /// The rig that explains the cameras; where time is the cause, that stated.
   Extrinsics rig_from_cam;
   bool turns_lenses = false;  ///< the driver turns images of `cameras`, principal points with them
+  bool exchanges_lenses = false;  ///< both `cameras`' images carry the other's name, their lens too
   /// Observations of `cameras` from `since` on fit no rigid rig and are left out of the map.
   bool leave_out = false;
   /// Another cause that explains the cameras as well, for the rig is its own mirror image; empty

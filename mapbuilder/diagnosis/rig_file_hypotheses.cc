@@ -109,6 +109,13 @@ class FileHypotheses {
         places[j] = seen_by(i, j, Turning::none);
         add(Cause::rig_exchanged, {i, j}, places, "each stands where rig.yaml has the other",
             "Exchange their folders or plugs, and name cameras by serial number.");
+        all_.back().explanation.exchanges_lenses = true;
+        // In the file alone: each camera keeps its lens.
+        places[i] = rig_.stated()[j];
+        places[j] = rig_.stated()[i];
+        add(Cause::rig_exchanged, {i, j}, places,
+            "each stands where rig.yaml has the other, with the lens that rig.yaml gives it",
+            "Exchange their transforms in rig.yaml.");
       }
     }
   }

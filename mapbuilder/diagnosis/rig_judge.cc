@@ -68,8 +68,8 @@ double lens_misfit(const CameraTracks& tracks, const Rig& stated, const RigExpla
   double sum = 0;
   for (std::size_t k = 0; k < tracks.lenses.size(); ++k) {
     std::size_t actual = k;
-    if (e.cause == Cause::rig_exchanged && k == e.cameras[0]) actual = e.cameras[1];
-    if (e.cause == Cause::rig_exchanged && k == e.cameras[1]) actual = e.cameras[0];
+    if (e.exchanges_lenses && k == e.cameras[0]) actual = e.cameras[1];
+    if (e.exchanges_lenses && k == e.cameras[1]) actual = e.cameras[0];
     const bool turned =
         e.turns_lenses && std::find(e.cameras.begin(), e.cameras.end(), k) != e.cameras.end();
     const CameraParameters& fits = tracks.lenses[k].parameters();

@@ -39,7 +39,7 @@ TEST(PrintShape, AStretchIsFoundWithItsSign) {
     EXPECT_NEAR(shape->stretch, std::log(stretch), 5 * shape->sigma + 0.0005);
     EXPECT_LT(shape->sigma, 0.003);
     EXPECT_NEAR(shape->own_px, 0.1, 0.02);
-    const Finding finding = finding_of(*shape, FitQuality{0.1, 0.1}, 0.6);
+    const Finding finding = finding_of(*shape, FitQuality{0.1, 0.1, 0.1}, 0.6);
     EXPECT_EQ(finding.cause, Cause::print_not_square);
     EXPECT_THAT(finding.text,
                 testing::HasSubstr(stretch < 1 ? "narrower than high" : "lower than wide"));

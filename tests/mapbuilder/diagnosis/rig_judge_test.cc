@@ -191,6 +191,27 @@ TEST(RigHypotheses, ExchangedCamerasHaveExchangedLenses) {
       return;
     }
     EXPECT_EQ(found->cause, Cause::rig_exchanged) << found->detail;
+    EXPECT_TRUE(found->exchanges_lenses);
+    EXPECT_EQ(found->cameras,
+              (std::vector<std::size_t>{std::min(first, second), std::max(first, second)}));
+  });
+}
+
+TEST(RigHypotheses, TransformsExchangedInTheFileLeaveLensesWhereTheyAre) {
+  for_rigs([](const SimulatedDrive& drive, const Extrinsics& truth,
+              const Extrinsics& calibrated_rig, unsigned seed) {
+    if (truth.size() < 3) return;  // of two, the same as an inverted chain
+    const std::size_t first = seed % truth.size();
+    const std::size_t second = (first + 1) % truth.size();
+    Extrinsics stated = calibrated_rig;
+    std::swap(stated[first], stated[second]);
+    CameraTracks tracks = drive_tracks(drive, truth);
+    const Rig rig = with_own_lenses(rig_of(stated));
+    for (const RigCamera& camera : rig.cameras) tracks.lenses.push_back(camera.model);
+    const auto found = explain_rig(tracks, rig);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->cause, Cause::rig_exchanged) << found->detail;
+    EXPECT_FALSE(found->exchanges_lenses);
     EXPECT_EQ(found->cameras,
               (std::vector<std::size_t>{std::min(first, second), std::max(first, second)}));
   });
