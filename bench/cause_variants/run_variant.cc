@@ -10,7 +10,7 @@
 #include "bench/cause_variants/variant.h"
 #include "core/base/check.h"
 #include "core/camera/kalibr.h"
-#include "core/capture/detections_csv.h"
+#include "core/capture/detections_csv_text.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/import_command.h"
 #include "mapbuilder/commands/localize_command.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/base/check.h"
 #include "mapbuilder/growth/misplaced_subgraphs.h"
 #include "mapbuilder/observations/covisibility.h"
 
@@ -15,9 +16,33 @@ struct GrownComponents {
   bool given_up = false;
 };
 
+/// What holds of an estimate when sizes change: markers whose size is another lose their pose, and
+/// the frame sets that see them are localized by the others. Nothing holds where a seed loses its
+/// pose with them, for it bears the component's world.
+Estimate with_new_sizes(const IncrementalMapper& mapper, Estimate estimate) {
+  const Selection& selection = mapper.selection();
+  std::set<FrameSetIndex> seeing;
+  for (const MarkerIndex m : selection.observations().markers.indices()) {
+    if (estimate.calibration.sizes_m[m] == selection.stated_sizes_m()[m]) continue;
+    estimate.world_from_marker[m].reset();
+    for (const ObservationIndex index : selection.used_of(m)) {
+      estimate.accepted[index] = 1;
+      seeing.insert(selection[index].frame_set);
+    }
+  }
+  estimate.calibration = Calibration(selection);
+  estimate = mapper.localize(std::vector(seeing.begin(), seeing.end()), std::move(estimate));
+  for (const ComponentIndex c : selection.components().indices()) {
+    if (!estimate.world_from_rig[mapper.seed_of(c)]) return {selection, mapper.options().noise};
+  }
+  return estimate;
+}
+
 /// Every component grown and at rest, each in a world of its own; none after one that is given up.
-GrownComponents grown_components(const IncrementalMapper& mapper, Progress& progress) {
-  Estimate estimate(mapper.selection(), mapper.options().noise);
+GrownComponents grown_components(const IncrementalMapper& mapper, std::optional<Estimate> start,
+                                 Progress& progress) {
+  Estimate estimate = start ? with_new_sizes(mapper, *std::move(start))
+                            : Estimate(mapper.selection(), mapper.options().noise);
   for (const ComponentIndex c : mapper.selection().components().indices()) {
     estimate = mapper.grow(c, std::move(estimate), progress);
     if (mapper.gives_up(c, estimate)) return {std::move(estimate), true};
@@ -121,10 +146,12 @@ MarkerMap map_of(const Observations& observations, const std::vector<BuiltSubMap
 
 }  // namespace
 
-BuildResult build_map(const Selection& selection, const BuildOptions& options, Progress& progress) {
+BuildResult build_map(const Selection& selection, const BuildOptions& options, Progress& progress,
+                      std::optional<Estimate> start) {
+  WAYMARK_CHECK(!start || (!options.refine.any() && options.survey.empty()));
   const IncrementalMapper mapper(selection, options);
   BuildResult result;
-  GrownComponents grown = grown_components(mapper, progress);
+  GrownComponents grown = grown_components(mapper, std::move(start), progress);
   if (grown.given_up) {
     result.given_up = true;
     return result;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/progress.h"
@@ -30,8 +31,10 @@ struct BuildResult {
 /// Builds the map of what is selected: components, growth (Algorithm 2), joint adjustment (eq. 11),
 /// reconsideration of flips, outlier gate, survey and refinement, covariances. What shares no
 /// marker is a sub-map each, but for what the survey fixes in its own frame: that is one. A marker
-/// seen once and alone is none, unless there is nothing else.
+/// seen once and alone is none, unless there is nothing else. `start`: the estimate that a build
+/// without refinement and survey has made of the same observations by other sizes; growth goes on
+/// from it, with the markers of changed size to be placed anew.
 [[nodiscard]] BuildResult build_map(const Selection& selection, const BuildOptions& options,
-                                    Progress& progress);
+                                    Progress& progress, std::optional<Estimate> start = {});
 
 }  // namespace waymark

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "core/base/parallel.h"
 #include "mapbuilder/diagnosis/marker_corrections.h"
@@ -75,18 +76,23 @@ DiagnosedBuild build_and_diagnose(const Observations& observations, const BuildO
   // One build where nothing is wrong; what something worse hid, or made look wrong, shows in the
   // second and third.
   constexpr int kMostBuilds = 5;
+  const bool as_stated = !options.refine.any() && options.survey.empty();
   DiagnosedBuild build;
   Corrections corrections;
+  std::optional<Estimate> start;
   for (int builds = 1;; ++builds) {
     const Selection selection(observations, corrections);
-    build.result =
-        first ? *std::exchange(first, std::nullopt) : build_map(selection, options, progress);
+    build.result = first ? *std::exchange(first, std::nullopt)
+                         : build_map(selection, options, progress, std::move(start));
+    start.reset();
     const PreparedObservations prepared(selection, build.result.evidence(),
                                         effective_threads(options.threads));
     const auto diagnoses = diagnose(prepared, build.result, options, diagnosis_options);
     Corrections better = corrections_for(selection, diagnoses);
     const bool changes = would_change(corrections, better, mapped_observations(build.result));
     if (changes && builds < kMostBuilds) {
+      // Where sizes alone change, the map of all other markers stands.
+      if (as_stated && better.left_out == corrections.left_out) start = build.result.estimate;
       corrections = std::move(better);
       continue;
     }

@@ -32,6 +32,12 @@ std::size_t localized_count(const Component& component, const Estimate& estimate
                     [&](FrameSetIndex f) { return estimate.world_from_rig[f].has_value(); }));
 }
 
+std::size_t placed_count(const Component& component, const Estimate& estimate) {
+  return static_cast<std::size_t>(
+      std::count_if(component.markers.begin(), component.markers.end(),
+                    [&](MarkerIndex m) { return estimate.world_from_marker[m].has_value(); }));
+}
+
 }  // namespace
 
 IncrementalMapper::IncrementalMapper(const Selection& selection, const MapperOptions& options)
@@ -149,11 +155,13 @@ Estimate IncrementalMapper::grow(ComponentIndex index, Estimate estimate,
                                  Progress& progress) const {
   const Component& grown = component(index);
   progress.begin("growing the map", grown.markers.size());
-  estimate = seed(index, std::move(estimate));
+  if (!estimate.world_from_rig[seed_of(index)]) estimate = seed(index, std::move(estimate));
   PlacementQueue queue(selection_, grown, seed_of(index), options_);
-  queue.take_pose_of(seed_of(index), estimate);
-  std::size_t placed = 0;
-  std::size_t adjusted_at = 0;
+  for (const FrameSetIndex frame_set : grown.frame_sets) {
+    if (estimate.world_from_rig[frame_set]) queue.take_pose_of(frame_set, estimate);
+  }
+  std::size_t placed = placed_count(grown, estimate);
+  std::size_t adjusted_at = placed;
   for (;;) {
     const std::vector<PlacedMarker> next = queue.next(prepared(estimate), estimate);
     if (next.empty()) break;
@@ -178,13 +186,10 @@ Estimate IncrementalMapper::grow(ComponentIndex index, Estimate estimate,
 
 bool IncrementalMapper::gives_up(ComponentIndex index, const Estimate& estimate) const {
   // Fewer may hang together by a wrong id or two.
-  constexpr std::ptrdiff_t kFewest = 10;
+  constexpr std::size_t kFewest = 10;
   const double sigma_px = estimate.components[index].noise.model_sigma_px;
   if (sigma_px <= options_.growth.give_up_sigma_px) return false;
-  const auto& markers = component(index).markers;
-  return std::count_if(markers.begin(), markers.end(), [&](MarkerIndex m) {
-           return estimate.world_from_marker[m].has_value();
-         }) >= kFewest;
+  return placed_count(component(index), estimate) >= kFewest;
 }
 
 ReconsideredEstimate IncrementalMapper::reconsider(ComponentIndex index, Estimate estimate) const {

@@ -57,10 +57,11 @@ class IncrementalMapper {
       const Estimate& estimate,
       PreparedObservations::Ippe ippe = PreparedObservations::Ippe::solved) const;
 
-  /// The whole of it for one component: seeds, then in rounds localizes every frame set that sees
-  /// the map (Algorithm 1), places every marker that localized frame sets see, and adjusts as the
-  /// map grows, until nothing is left that can be placed or localized. A pose that is still
-  /// ambiguous is kept with its runner-up until evidence decides. Ends early once gives_up().
+  /// The whole of it for one component: seeds, unless the seed has a pose already and growth goes
+  /// on from what is posed; then in rounds localizes every frame set that sees the map (Algorithm
+  /// 1), places every marker that localized frame sets see, and adjusts as the map grows, until
+  /// nothing is left that can be placed or localized. A pose that is still ambiguous is kept with
+  /// its runner-up until evidence decides. Ends early once gives_up().
   [[nodiscard]] Estimate grow(ComponentIndex component, Estimate estimate,
                               Progress& progress) const;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <map>
+#include <optional>
 #include <random>
 
 #include "core/geometry/alignment.h"
@@ -46,6 +47,46 @@ TEST(MapBuilder, ExactDetectionsGiveTheExactMap) {
   EXPECT_TRUE(result.unmapped.empty());
   EXPECT_LT(rmse_m(result.submaps[0].map, room), 1e-5);
   EXPECT_LT(result.submaps[0].map.rms_all_px, 1e-3);
+}
+
+/// The map by one marker's size as stated 8 % too small, and by the true one from its estimate on.
+struct BuiltAnew {
+  explicit BuiltAnew(const test::RoomOptions& options) : room(test::make_room(options)) {}
+
+  [[nodiscard]] BuildResult by(const Corrections& sizes, std::optional<Estimate> start) const {
+    Progress silent(false);
+    return build_map(Selection(observations, sizes), {}, silent, std::move(start));
+  }
+
+  test::SyntheticRoom room;
+  Observations observations = test::observations_of(room);
+  MarkerIndex wrong{7};
+};
+
+TEST(MapBuilder, GoesOnFromAnEstimateOfOtherSizesToTheSameMap) {
+  test::RoomOptions options;
+  options.noise_px = 0.2;
+  const BuiltAnew anew(options);
+  const double size_m = Selection(anew.observations).stated_sizes_m()[anew.wrong];
+  const BuildResult stated = anew.by({{}, {{anew.wrong, 0.92 * size_m}}}, {});
+  const BuildResult from_it = anew.by({}, stated.estimate);
+  const BuildResult from_nothing = anew.by({}, {});
+  ASSERT_EQ(from_it.submaps.size(), 1U);
+  EXPECT_EQ(from_it.submaps[0].map.markers.size(), from_nothing.submaps[0].map.markers.size());
+  EXPECT_NEAR(rmse_m(from_it.submaps[0].map, anew.room),
+              rmse_m(from_nothing.submaps[0].map, anew.room), 1e-5);
+  EXPECT_NEAR(from_it.submaps[0].map.rms_all_px, from_nothing.submaps[0].map.rms_all_px, 1e-4);
+}
+
+TEST(MapBuilder, BeginsAnewWhereASeedSeesOnlyWhatHasAnotherSize) {
+  const BuiltAnew anew({});
+  Corrections all;
+  const Selection stated(anew.observations);
+  for (const MarkerIndex m : anew.observations.markers.indices()) {
+    all.sizes_m[m] = 0.5 * stated.stated_sizes_m()[m];
+  }
+  const BuildResult half = anew.by(all, {});
+  EXPECT_LT(rmse_m(anew.by({}, half.estimate).submaps[0].map, anew.room), 1e-5);
 }
 
 TEST(MapBuilder, AMarkerSeenOnceAndAloneIsNoSubMapUnlessThereIsNothingElse) {
