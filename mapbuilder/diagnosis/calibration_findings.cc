@@ -14,6 +14,7 @@
 #include "core/geometry/symmetric_factor.h"
 #include "mapbuilder/bundle/constant_direction.h"
 #include "mapbuilder/diagnosis/baseline_scale.h"
+#include "mapbuilder/diagnosis/camera_displacement.h"
 
 namespace waymark {
 namespace {
@@ -48,31 +49,25 @@ constexpr double kSurveySigmas = 5.0;
 
 /// Bars of what is worth naming: less is within what any rig file leaves.
 constexpr double kSigmas = 5.0;
-constexpr double kWorthNaming_m = 0.002;
-constexpr double kWorthNaming_rad = 0.1 / kDegreesPerRadian;
 constexpr double kWorthNamingFocal = 0.002;
 
 constexpr const char* kRefinedRemedy =
     "The map is built with what the images say; use the refined rig from now on.";
 
-Finding rig_misfit(const RigCamera& before, const RigCamera& after, const CameraUncertainty& sure,
-                   bool refined) {
-  const double moved_m = (after.rig_from_cam.translation - before.rig_from_cam.translation).norm();
-  const double turned_rad =
-      angle_between_rad(after.rig_from_cam.rotation, before.rig_from_cam.rotation);
+Finding rig_misfit(const std::string& camera, const CameraDisplacement& off, bool refined) {
   Finding finding;
   finding.cause = Cause::rig_displaced;
-  finding.subject = before.name;
-  finding.text = fmt::format(
-      "the images put it {} and {} away from where rig.yaml has it.",
-      give_or_take(1e3 * moved_m, 1e3 * sure.position_m, " mm", 1),
-      give_or_take(kDegreesPerRadian * turned_rad, kDegreesPerRadian * sure.rotation_rad, "°", 2));
+  finding.subject = camera;
+  finding.text = fmt::format("the images put it {} and {} away from where rig.yaml has it.",
+                             give_or_take(1e3 * off.moved_m, 1e3 * off.moved_sigma_m, " mm", 1),
+                             give_or_take(kDegreesPerRadian * off.turned_rad,
+                                          kDegreesPerRadian * off.turned_sigma_rad, "°", 2));
   finding.remedy =
       refined ? kRefinedRemedy : "Calibrate the rig anew, or build with --refine extrinsics.";
-  finding.cameras = {before.name};
-  finding.figures = {
-      {"moved", moved_m, "m", sure.position_m},
-      {"turned", kDegreesPerRadian * turned_rad, "°", kDegreesPerRadian * sure.rotation_rad}};
+  finding.cameras = {camera};
+  finding.figures = {{"moved", off.moved_m, "m", off.moved_sigma_m},
+                     {"turned", kDegreesPerRadian * off.turned_rad, "°",
+                      kDegreesPerRadian * off.turned_sigma_rad}};
   return finding;
 }
 
@@ -156,15 +151,35 @@ double largest_shift_px(const CameraModel& before, const CameraModel& after,
   return largest;
 }
 
-/// Of the rig whose first camera has this number.
-std::optional<BaselineScale> scale_of_baselines(const CalibrationResult& calibration, RigIndex rig,
-                                                std::size_t first) {
-  const Rig& stated = calibration.rigs_before[rig];
+/// Of the fitted rig_from_cam of the rig whose first camera has this number, six per camera;
+/// nullopt: nothing is determined.
+std::optional<Eigen::MatrixXd> covariance_of_places(const CalibrationResult& calibration,
+                                                    RigIndex rig, std::size_t first) {
   const auto at = static_cast<Eigen::Index>(6 * first);
-  const auto size = static_cast<Eigen::Index>(6 * stated.cameras.size());
+  const auto size = static_cast<Eigen::Index>(6 * calibration.rigs_before[rig].cameras.size());
   const Eigen::MatrixXd& joint = calibration.uncertainty.joint;
   if (joint.rows() < at + size) return std::nullopt;
-  return baseline_scale(stated, calibration.rigs_fitted[rig], joint.block(at, at, size, size));
+  return joint.block(at, at, size, size);
+}
+
+/// One factor on all baselines is the sizes' fault as likely as the cameras'; what is left is some
+/// camera's.
+void name_displaced(const CalibrationResult& calibration, RigIndex rig, std::size_t first,
+                    bool refined, std::vector<Finding>& findings) {
+  const auto covariance = covariance_of_places(calibration, rig, first);
+  if (!covariance) return;
+  Rig stated = calibration.rigs_before[rig];
+  const Rig& fitted = calibration.rigs_fitted[rig];
+  if (const auto scale = baseline_scale(stated, fitted, *covariance)) {
+    findings.push_back(finding_of(*scale, stated));
+    stated = with_baselines(std::move(stated), scale->factor);
+  }
+  const auto displaced = camera_displacements(
+      stated, fitted, *covariance, least_displacing_reference(stated, fitted, *covariance));
+  for (std::size_t c = 0; c < displaced.size(); ++c) {
+    if (!displaced[c].is_worth_naming()) continue;
+    findings.push_back(rig_misfit(stated.cameras[c].name, displaced[c], refined));
+  }
 }
 
 void name_misfits(const CalibrationResult& calibration, const VariableCalibration& asked,
@@ -180,27 +195,12 @@ void name_misfits(const CalibrationResult& calibration, const VariableCalibratio
   const IndexedVector<RigIndex, Rig>& after = calibration.rigs_fitted;
   std::size_t count = 0;
   for (const RigIndex r : after.indices()) {
-    // One factor on all baselines is the sizes' fault as likely as the cameras'.
-    Rig before = calibration.rigs_before[r];
-    const auto scale = judge_extrinsics ? scale_of_baselines(calibration, r, count) : std::nullopt;
-    if (scale) {
-      findings.push_back(finding_of(*scale, before));
-      before = with_baselines(std::move(before), scale->factor);
-    }
+    if (judge_extrinsics) name_displaced(calibration, r, count, rig_refined, findings);
     for (std::size_t c = 0; c < after[r].cameras.size(); ++c) {
       const CameraIndex index(count++);
-      const RigCamera& stated = before.cameras[c];
+      const RigCamera& stated = calibration.rigs_before[r].cameras[c];
       const RigCamera& fitted = after[r].cameras[c];
       const CameraUncertainty& sure = calibration.uncertainty.cameras[index];
-      const double moved_m =
-          (fitted.rig_from_cam.translation - stated.rig_from_cam.translation).norm();
-      const double turned_rad =
-          angle_between_rad(fitted.rig_from_cam.rotation, stated.rig_from_cam.rotation);
-      if (judge_extrinsics &&
-          (moved_m > std::max(kWorthNaming_m, kSigmas * sure.position_m) ||
-           turned_rad > std::max(kWorthNaming_rad, kSigmas * sure.rotation_rad))) {
-        findings.push_back(rig_misfit(stated, fitted, sure, rig_refined));
-      }
       if (!judge_intrinsics ||
           !differ_surely(stated.model, fitted.model, calibration.uncertainty, index)) {
         continue;
