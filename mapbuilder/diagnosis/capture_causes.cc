@@ -162,8 +162,10 @@ class CaptureExplainer {
       }
       return;
     }
-    // A camera that merely stands elsewhere is left to the calibration's own judgement.
-    if (explanation->cause == Cause::rig_displaced) return;
+    if (explanation->cause == Cause::rig_displaced) {
+      take_displaced(place, *explanation);
+      return;
+    }
     for (const RigExplanation& one : {*explanation, explanation->or_else()}) {
       if (one.detail.empty()) continue;
       Finding finding = finding_of(one, capture.rig);
@@ -171,6 +173,17 @@ class CaptureExplainer {
       add_finding(std::move(finding), explained_.findings);
     }
     put_right(*explanation, capture, evidence_[place]);
+  }
+
+  void take_displaced(std::size_t place, const RigExplanation& explanation) {
+    const DetectedCapture& capture = explained_.captures[place];
+    Finding finding = finding_of(explanation, capture.rig);
+    finding.captures = {capture.name};
+    explained_.displaced.push_back({place, capture.rig, std::move(finding)});
+    Rig& rig = explained_.displaced.back().rig;
+    for (std::size_t k = 0; k < rig.cameras.size(); ++k) {
+      rig.cameras[k].rig_from_cam = explanation.rig_from_cam[k];
+    }
   }
 
   const std::vector<DetectedCapture>& captures_;

@@ -13,6 +13,14 @@ namespace waymark {
 struct ExplainedCaptures {
   std::vector<DetectedCapture> captures;
   std::vector<Finding> findings;  ///< one per cause, errors
+  /// Cameras that merely stand elsewhere: not put right, for a build's own calibration tells most
+  /// of them, and their places better.
+  struct Displaced {
+    std::size_t capture = 0;  ///< place among the captures
+    Rig rig;                  ///< that explains the images
+    Finding finding;
+  };
+  std::vector<Displaced> displaced;
 };
 
 /// What a build of the captures as stated has come to.

@@ -118,7 +118,11 @@ class ExplainedBuilder {
       if (auto held = hold_survey_against_it(); !held) return tl::make_unexpected(held.error());
     }
     if (!plain_) build_plainly();
-    const bool unexplained = is_unexplained();
+    bool unexplained = is_unexplained();
+    if (unexplained && !displaced_.empty()) {
+      if (auto taken = put_displaced_right(); !taken) return tl::make_unexpected(taken.error());
+      unexplained = is_unexplained();
+    }
     BuildOptions options = options_;
     options.survey = build_.survey;
     const bool takes_more = options.refine.any() || !options.survey.empty();
@@ -215,6 +219,7 @@ class ExplainedBuilder {
 
   Status take_what_explains(const LensesBySquares& lenses, const StatedBuild* stated) {
     ExplainedCaptures explained = explain_captures(captures_, lenses, stated, as_stated_);
+    displaced_ = std::move(explained.displaced);
     if (explained.findings.empty()) return {};
     for (Finding& finding : explained.findings) build_.causes.push_back(std::move(finding));
     return take(std::move(explained.captures));
@@ -279,6 +284,18 @@ class ExplainedBuilder {
         .contradicts();
   }
 
+  /// Cameras so far from where they are stated that a build's own calibration does not find them.
+  Status put_displaced_right() {
+    std::vector<DetectedCapture> captures = captures_;
+    for (ExplainedCaptures::Displaced& displaced : displaced_) {
+      captures[displaced.capture].rig = std::move(displaced.rig);
+      build_.causes.push_back(std::move(displaced.finding));
+    }
+    if (auto taken = take(std::move(captures)); !taken) return taken;
+    build_plainly();
+    return {};
+  }
+
   /// Markers are judged by what most observations of a camera agree on; where that is nothing,
   /// those that disagree are no more to blame than the rest.
   void name_no_marker() {
@@ -303,7 +320,8 @@ class ExplainedBuilder {
   ExplainedBuild build_;
   std::optional<BuildResult> plain_;  ///< of captures_, nothing refined, no survey
   FitQuality quality_;                ///< of it
-  std::optional<double> stated_px_;   ///< joint_px of the captures as stated
+  std::vector<ExplainedCaptures::Displaced> displaced_;  ///< that captures_ do not put right
+  std::optional<double> stated_px_;                      ///< joint_px of the captures as stated
   bool z_is_up_ = true;
 };
 

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/geometry/decompositions.h"
 
@@ -39,6 +42,40 @@ Eigen::Quaterniond assumed_from_actual(const CameraModel& assumed, const CameraM
   const SingularVectors svd = singular_vectors(sum);
   const Eigen::Vector3d signs(1, 1, (svd.u * svd.v.transpose()).determinant() < 0 ? -1 : 1);
   return Eigen::Quaterniond(Eigen::Matrix3d(svd.u * signs.asDiagonal() * svd.v.transpose()));
+}
+
+constexpr const char* kEachAtTheOthers = "each stands where rig.yaml has the other";
+constexpr const char* kExchangeImages =
+    "Exchange their folders or plugs, and name cameras by serial number.";
+
+/// How far the places of two cameras may lie from where they are when each is told through the
+/// other's lens: principal points that differ turn them, focal lengths move them.
+struct LensBend {
+  double rad = 0;
+  double m = 0;
+};
+
+LensBend bend_by_exchange(const CameraModel& a, const CameraModel& b) {
+  // What else bends: lenses that differ in more, and a map that is made through them.
+  constexpr double kLeast_rad = 1.0 * std::numbers::pi / 180.0;
+  constexpr double kLeast_m = 0.05;
+  constexpr double kFarthestMarkers_m = 10.0;
+  const Eigen::Quaterniond turn = assumed_from_actual(a, b, Turning::none);
+  const double focal = std::abs(std::log(a.parameters().fu_px / b.parameters().fu_px));
+  return {kLeast_rad + 2 * angle_between_rad(turn, Eigen::Quaterniond::Identity()),
+          kLeast_m + 2 * focal * kFarthestMarkers_m};
+}
+
+/// How far the cameras stand to the first from where others have them, as a share of that.
+double share_bent(const Extrinsics& places, const Extrinsics& others, const LensBend& bend) {
+  double share = 0;
+  for (std::size_t k = 1; k < places.size(); ++k) {
+    const Rigid3 here = places[0].inverse() * places[k];
+    const Rigid3 there = others[0].inverse() * others[k];
+    share = std::max({share, angle_between_rad(here.rotation, there.rotation) / bend.rad,
+                      (here.translation - there.translation).norm() / bend.m});
+  }
+  return share;
 }
 
 class FileHypotheses {
@@ -107,8 +144,7 @@ class FileHypotheses {
         Extrinsics places = rig_.stated();
         places[i] = seen_by(j, i, Turning::none);
         places[j] = seen_by(i, j, Turning::none);
-        add(Cause::rig_exchanged, {i, j}, places, "each stands where rig.yaml has the other",
-            "Exchange their folders or plugs, and name cameras by serial number.");
+        add(Cause::rig_exchanged, {i, j}, places, kEachAtTheOthers, kExchangeImages);
         all_.back().explanation.exchanges_lenses = true;
         // In the file alone: each camera keeps its lens.
         places[i] = rig_.stated()[j];
@@ -177,6 +213,34 @@ class FileHypotheses {
 
 std::vector<RigHypothesis> rig_file_hypotheses(const RigCase& rig) {
   return FileHypotheses(rig).all();
+}
+
+std::optional<RigHypothesis> exchanged_hypothesis(const RigCase& rig,
+                                                  const RigHypothesis& displaced) {
+  // Where the stated places are about as near, nothing tells an exchange from a displacement.
+  constexpr double kNearer = 0.25;
+  for (std::size_t i = 0; i < rig.cameras(); ++i) {
+    for (std::size_t j = i + 1; j < rig.cameras(); ++j) {
+      Extrinsics places = rig.stated();
+      std::swap(places[i], places[j]);
+      const LensBend bend = bend_by_exchange(rig.stated_lens(i), rig.stated_lens(j));
+      const double exchanged = share_bent(displaced.rig, places, bend);
+      if (exchanged > 1.0 || exchanged > kNearer * share_bent(displaced.rig, rig.stated(), bend)) {
+        continue;
+      }
+      RigHypothesis h = displaced;
+      h.listed = true;
+      h.explanation.cause = Cause::rig_exchanged;
+      h.explanation.cameras = {i, j};
+      h.explanation.value = 0;
+      h.explanation.unit.clear();
+      h.explanation.detail = kEachAtTheOthers;
+      h.explanation.remedy = kExchangeImages;
+      h.explanation.exchanges_lenses = true;
+      return h;
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace waymark

@@ -17,6 +17,7 @@ struct RigHypothesis {
   std::size_t since = 0;                       ///< instant
   int numbers = 0;                             ///< that it frees
   double cost = 0;                             ///< sigmas²
+  double price = 0;     ///< 2 ln of how much less sure its tracks are than those seen
   bool listed = false;  ///< one of few ways to write a file wrongly: no number is fitted
 };
 

@@ -36,15 +36,20 @@ std::vector<RigHypothesis> hypotheses_of(const RigCase& rig) {
   const auto add_several = [&](std::vector<RigHypothesis> several) {
     std::move(several.begin(), several.end(), std::back_inserter(all));
   };
+  const auto add_displaced = [&](const std::optional<RigHypothesis>& h) {
+    if (!h) return;
+    all.push_back(*h);
+    add(exchanged_hypothesis(rig, *h));
+  };
   add(rig_scale_hypothesis(rig));
   // Of two, only how they stand to each other is known.
   for (std::size_t k = rig.cameras() == 2 ? 1 : 0; k < rig.cameras(); ++k) {
     add(late_hypothesis(rig, k));
     add_several(out_of_step_hypotheses(rig, k));
     add_several(bumped_hypotheses(rig, k));
-    add(displaced_hypothesis(rig, k));
+    add_displaced(displaced_hypothesis(rig, k));
   }
-  if (rig.cameras() > 2) add(all_displaced_hypothesis(rig));
+  if (rig.cameras() > 2) add_displaced(all_displaced_hypothesis(rig));
   return all;
 }
 
@@ -163,7 +168,7 @@ std::optional<RigExplanation> explain_rig(const CameraTracks& tracks, const Rig&
   const double n = freedoms(rig);
   for (RigHypothesis& h : all) {
     h.explanation.gain = n * std::log(stated_cost / std::max(h.cost, 1e-9)) -
-                         h.numbers * std::log(n) + lens_misfit(tracks, stated, {}) -
+                         h.numbers * std::log(n) - h.price + lens_misfit(tracks, stated, {}) -
                          lens_misfit(tracks, stated, h.explanation);
   }
   return verdict(all, stated_cost, fit.noise_scale());

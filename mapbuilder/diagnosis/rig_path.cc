@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/base/median.h"
 
@@ -17,6 +18,16 @@ constexpr double kSmooth = 0.5;
 Rigid3 interpolate(const Rigid3& a, const Rigid3& b, double share) {
   return a.plus(share * b.minus(a));
 }
+
+/// Hermite's cubic from 0 to `step` with these slopes at its ends.
+Vector6d cubic_step(double share, const Vector6d& step, const Vector6d& leaving,
+                    const Vector6d& arriving) {
+  const double s2 = share * share;
+  const double s3 = s2 * share;
+  return (s3 - 2 * s2 + share) * leaving + (3 * s2 - 2 * s3) * step + (s3 - s2) * arriving;
+}
+
+double cubed(double x) { return x * x * x; }
 
 }  // namespace
 
@@ -42,6 +53,7 @@ RigPath::RigPath(const CameraTracks& tracks, const Extrinsics& rig_from_cam, dou
     smooth += bend.norm() <= kSmooth * step.norm() ? 1 : 0;
   }
   moves_ = judged >= 3 && 2 * smooth > judged;
+  measure_wander();
 }
 
 double RigPath::gap_s(std::size_t before, std::size_t after) const {
@@ -78,16 +90,11 @@ Rigid3 RigPath::between(std::size_t before, std::size_t after, double share) con
   const Vector6d step = world_from_rig_[after]->minus(start);
   if (share < 0 || share > 1) return start.plus(share * step);
   const double gap = gap_s(before, after);
-  const double s2 = share * share;
-  const double s3 = s2 * share;
-  return start.plus((s3 - 2 * s2 + share) * gap * velocity(before) + (3 * s2 - 2 * s3) * step +
-                    (s3 - s2) * gap * velocity(after));
+  return start.plus(cubic_step(share, step, gap * velocity(before), gap * velocity(after)));
 }
 
-std::optional<Rigid3> RigPath::motion(std::size_t instant, double offset_s) const {
-  if (!world_from_rig_[instant]) return std::nullopt;
-  const double when = time_s_[instant] + offset_s;
-  auto after = static_cast<std::size_t>(std::upper_bound(time_s_.begin(), time_s_.end(), when) -
+std::optional<RigPath::Span> RigPath::span_of(double when_s) const {
+  auto after = static_cast<std::size_t>(std::upper_bound(time_s_.begin(), time_s_.end(), when_s) -
                                         time_s_.begin());
   after = std::clamp<std::size_t>(after, 1, time_s_.size() - 1);
   std::size_t before = after - 1;
@@ -96,9 +103,66 @@ std::optional<Rigid3> RigPath::motion(std::size_t instant, double offset_s) cons
   if (!world_from_rig_[before] || !world_from_rig_[after]) return std::nullopt;
   const double gap = gap_s(before, after);
   if (gap <= 0 || gap > kLongestGap * period_s_) return std::nullopt;
-  const double share = (when - time_s_[before]) / gap;
+  const double share = (when_s - time_s_[before]) / gap;
   if (share < -1.5 || share > 2.5) return std::nullopt;  // beyond the ends: too far to extrapolate
-  return between(before, after, share) * world_from_rig_[instant]->inverse();
+  return Span{before, after, share};
+}
+
+std::optional<Rigid3> RigPath::motion(std::size_t instant, double offset_s) const {
+  if (!world_from_rig_[instant]) return std::nullopt;
+  const auto span = span_of(time_s_[instant] + offset_s);
+  if (!span) return std::nullopt;
+  return between(span->before, span->after, span->share) * world_from_rig_[instant]->inverse();
+}
+
+/// How far a frame set lies from the cubic that its two neighbours on each side give.
+std::optional<Vector6d> RigPath::off_the_cubic(std::size_t instant) const {
+  const auto before = neighbour(instant, -1);
+  const auto after = neighbour(instant, 1);
+  if (!before || !after) return std::nullopt;
+  const auto first = neighbour(*before, -1);
+  const auto last = neighbour(*after, 1);
+  if (!first || !last) return std::nullopt;
+  const auto slope = [&](std::size_t a, std::size_t b) {
+    return Vector6d(world_from_rig_[b]->minus(*world_from_rig_[a]) / gap_s(a, b));
+  };
+  const auto velocity_between = [&](std::size_t a, std::size_t b, std::size_t c) {
+    const double share = gap_s(b, c) / gap_s(a, c);
+    return Vector6d(share * slope(a, b) + (1.0 - share) * slope(b, c));
+  };
+  const double gap = gap_s(*before, *after);
+  const double share = gap_s(*before, instant) / gap;
+  const Rigid3& start = *world_from_rig_[*before];
+  const Rigid3 cubic = start.plus(cubic_step(share, world_from_rig_[*after]->minus(start),
+                                             gap * velocity_between(*first, *before, *after),
+                                             gap * velocity_between(*before, *after, *last)));
+  return world_from_rig_[instant]->minus(cubic);
+}
+
+void RigPath::measure_wander() {
+  std::vector<double> position;
+  std::vector<double> rotation;
+  for (std::size_t i = 1; i + 1 < time_s_.size(); ++i) {
+    if (!world_from_rig_[i]) continue;
+    const auto off = off_the_cubic(i);
+    if (!off) continue;
+    const auto span = std::pair(*neighbour(i, -1), *neighbour(i, 1));
+    const double per_s3 =
+        cubed(gap_s(span.first, i) * gap_s(i, span.second) / gap_s(span.first, span.second));
+    position.push_back(off->head<3>().squaredNorm() / per_s3);
+    rotation.push_back(off->tail<3>().squaredNorm() / per_s3);
+  }
+  if (position.empty()) return;
+  wander_ = {upper_median(position) / kMedianOfChi2_3, upper_median(rotation) / kMedianOfChi2_3};
+}
+
+double RigPath::wander_s3(std::size_t instant, double offset_s) const {
+  const auto span = span_of(time_s_[instant] + offset_s);
+  if (!span) return 0;
+  const double gap = gap_s(span->before, span->after);
+  const double inside = gap * span->share * (1.0 - span->share);
+  const double beyond = gap * std::max(-span->share, span->share - 1.0);
+  return cubed(beyond > 0 ? beyond : inside);
 }
 
 }  // namespace waymark

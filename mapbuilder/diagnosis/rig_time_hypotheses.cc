@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "core/geometry/decompositions.h"
 #include "mapbuilder/diagnosis/best_change.h"
 #include "mapbuilder/diagnosis/least_cost.h"
 #include "mapbuilder/diagnosis/rig_path.h"
@@ -14,33 +16,112 @@ namespace {
 
 double milliseconds(double seconds) { return seconds * 1e3; }
 
-/// What of a camera was seen `offset_s` after the stamps, on the path of the others.
-double cost_when_later(const RigCase& rig, const RigPath& path, std::size_t camera,
-                       double offset_s) {
-  double sum = 0;
-  for (const std::size_t i : rig.fit().judged()) {
-    const auto& place = rig.tracks().instants[i].places[camera];
-    if (!place || !path.at(i)) continue;
-    const auto motion = path.motion(i, offset_s);
-    const Rigid3 there = motion ? *motion * *path.at(i) : *path.at(i);
-    sum += bounded_misfit(
-        squared_misfit(*place, there * rig.stated()[camera], 2.0 * rig.fit().noise_scale()));
+/// A camera's place, seen from a path that wanders between frame sets: (C + k B)⁻¹ for any k, with
+/// the place's covariance C and what the path wanders per s³, B; by the eigenvectors that both
+/// share.
+class WanderingPlace {
+ public:
+  /// `noise_scale` multiplies the place's standard deviations.
+  WanderingPlace(const TrackedPlace& place, const RigPath::Wander& wander, double noise_scale) {
+    // Of a path that does not wander, a micrometre and microradian per second^1.5.
+    constexpr double kLeast = 1e-12;
+    Vector6d root;
+    root << Eigen::Vector3d::Constant(std::sqrt(std::max(kLeast, wander.position_m2_per_s3))),
+        Eigen::Vector3d::Constant(std::sqrt(std::max(kLeast, wander.rotation_rad2_per_s3)));
+    const Matrix6d information =
+        root.asDiagonal() * place.information * root.asDiagonal() / (noise_scale * noise_scale);
+    const SymmetricEigen<6> eigen = symmetric_eigen<6>(information);
+    variance_ = eigen.values.cwiseMax(kLeast).cwiseInverse();
+    whitened_ = eigen.vectors.transpose() * root.cwiseInverse().asDiagonal();
   }
-  return sum;
-}
 
-/// A camera's places moved to the frame set's stamp from `offset_s` later on the others' path.
-CameraTracks moved_in_time(const RigCase& rig, const RigPath& path, std::size_t camera,
-                           double offset_s) {
-  CameraTracks tracks = rig.tracks();
-  for (const std::size_t i : rig.fit().judged()) {
-    auto& place = tracks.instants[i].places[camera];
-    if (!place) continue;
-    const auto motion = path.motion(i, offset_s);
-    if (motion) place->world_from_cam = motion->inverse() * place->world_from_cam;
+  /// Squared misfit (sigmas²) after `s3` of wander.
+  [[nodiscard]] double squared(const Vector6d& misfit, double s3) const {
+    return (whitened_ * misfit).cwiseAbs2().cwiseQuotient(variance(s3)).sum();
   }
-  return tracks;
-}
+  /// ln of the covariance's determinant over that without wander.
+  [[nodiscard]] double price(double s3) const {
+    return variance(s3).cwiseQuotient(variance_).array().log().sum();
+  }
+  [[nodiscard]] Matrix6d information(double s3) const {
+    return whitened_.transpose() * variance(s3).cwiseInverse().asDiagonal() * whitened_;
+  }
+
+ private:
+  [[nodiscard]] Vector6d variance(double s3) const { return variance_ + Vector6d::Constant(s3); }
+
+  Vector6d variance_;
+  Matrix6d whitened_;
+};
+
+/// One camera against the path of the others.
+class LateCamera {
+ public:
+  LateCamera(const RigCase& rig, std::size_t camera)
+      : rig_(rig),
+        camera_(camera),
+        path_(rig.tracks(), rig.stated(), rig.fit().noise_scale(), static_cast<int>(camera)) {}
+
+  [[nodiscard]] const RigPath& path() const { return path_; }
+
+  /// When what it saw was seen, after the stamps.
+  [[nodiscard]] LeastCost fit() const {
+    // Twice the noise that is left: places that are far off shall draw, too.
+    const std::vector<Seen> seen = all_seen(2.0 * rig_.fit().noise_scale());
+    const auto cost = [&](double offset_s) {
+      double sum = 0;
+      for (const Seen& one : seen) {
+        const auto motion = path_.motion(one.instant, offset_s);
+        const Rigid3 there = motion ? *motion * *path_.at(one.instant) : *path_.at(one.instant);
+        const double s3 = path_.wander_s3(one.instant, offset_s);
+        const Vector6d misfit = one.place->world_from_cam.minus(there * rig_.stated()[camera_]);
+        sum += bounded_misfit(one.wandering.squared(misfit, s3)) + one.wandering.price(s3);
+      }
+      return sum;
+    };
+    const double most_s = std::max(0.5, 3.0 * path_.period_s());
+    const double step_s = std::min(0.01, path_.period_s() / 8.0);
+    return least_cost(-most_s, most_s, step_s, cost, cost);
+  }
+
+  /// The tracks with its places moved to the frame sets' stamps, less sure by the path's wander;
+  /// with the price of that.
+  [[nodiscard]] std::pair<CameraTracks, double> moved_by(double offset_s) const {
+    const double noise = rig_.fit().noise_scale();
+    std::pair<CameraTracks, double> moved{rig_.tracks(), 0.0};
+    for (const Seen& one : all_seen(noise)) {
+      const auto motion = path_.motion(one.instant, offset_s);
+      if (!motion) continue;
+      const double s3 = path_.wander_s3(one.instant, offset_s);
+      TrackedPlace& place = *moved.first.instants[one.instant].places[camera_];
+      place.world_from_cam = motion->inverse() * place.world_from_cam;
+      place.information = noise * noise * one.wandering.information(s3);
+      moved.second += one.wandering.price(s3);
+    }
+    return moved;
+  }
+
+ private:
+  struct Seen {
+    std::size_t instant;
+    const TrackedPlace* place;
+    WanderingPlace wandering;
+  };
+
+  [[nodiscard]] std::vector<Seen> all_seen(double noise_scale) const {
+    std::vector<Seen> all;
+    for (const std::size_t i : rig_.fit().judged()) {
+      const auto& place = rig_.tracks().instants[i].places[camera_];
+      if (!place || !path_.at(i)) continue;
+      all.push_back({i, &*place, WanderingPlace(*place, path_.wander(), noise_scale)});
+    }
+    return all;
+  }
+
+  const RigCase& rig_;
+  std::size_t camera_;
+  RigPath path_;
+};
 
 /// A camera's places those of so many instants before.
 CameraTracks shifted(const CameraTracks& tracks, std::size_t camera, int by) {
@@ -92,14 +173,13 @@ std::optional<RigHypothesis> out_of_step(const RigCase& rig, std::size_t camera,
 }  // namespace
 
 std::optional<RigHypothesis> late_hypothesis(const RigCase& rig, std::size_t camera) {
-  const RigPath path(rig.tracks(), rig.stated(), rig.fit().noise_scale(), static_cast<int>(camera));
-  if (!path.moves()) return std::nullopt;
-  const auto cost = [&](double offset_s) { return cost_when_later(rig, path, camera, offset_s); };
-  const double most_s = std::max(0.5, 3.0 * path.period_s());
-  const double step_s = std::min(0.01, path.period_s() / 8.0);
-  const LeastCost fitted = least_cost(-most_s, most_s, step_s, cost, cost);
+  const LateCamera late(rig, camera);
+  if (!late.path().moves()) return std::nullopt;
+  const LeastCost fitted = late.fit();
+  auto [tracks, price] = late.moved_by(fitted.at);
   RigHypothesis h = rig.hypothesis();
-  h.tracks = std::make_shared<const CameraTracks>(moved_in_time(rig, path, camera, fitted.at));
+  h.tracks = std::make_shared<const CameraTracks>(std::move(tracks));
+  h.price = price;
   h.numbers = 1;
   rig.evaluate(h, rig.stated());
   RigExplanation& e = h.explanation;
