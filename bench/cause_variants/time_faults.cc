@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "bench/cause_variants/faults.h"
@@ -93,7 +94,10 @@ bool lost_frame(Variant& variant, Random& random) {
   const std::size_t lost = 1 + random.below(2);
   const std::size_t from = world.sets / 4 + random.below(world.sets / 2);
   for (std::size_t set = from; set < world.sets; ++set) {
-    world.exposed_s[set][camera] += static_cast<double>(lost) * world.period_s;
+    // The exposure of the set so many later; beyond the last, as regular as all.
+    const std::size_t shown = std::min(set + lost, world.sets - 1);
+    world.exposed_s[set][camera] =
+        world.exposed_s[shown][camera] + static_cast<double>(set + lost - shown) * world.period_s;
   }
   variant.truth.causes = {Cause::frame_order};
   variant.truth.cameras = one_or_either(world, camera);

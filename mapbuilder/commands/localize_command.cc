@@ -81,7 +81,7 @@ Expected<std::vector<Finding>> causes_of_misfit(const std::vector<DetectedCaptur
   auto own = build_explained(captures, observations, observing, options, progress);
   if (!own) return tl::make_unexpected(own.error());
   std::vector<Finding> findings = std::move(own->causes);
-  append(map_findings(map, own->diagnosed.result), findings);
+  append(map_findings(map, own->diagnosed.result, own->observations), findings);
   // Where something is wrong that all share, no marker is named.
   if (count_of(Severity::error, findings) == 0)
     append(std::move(own->diagnosed.findings), findings);

@@ -14,6 +14,7 @@
 #include "mapbuilder/build/frame_comparison.h"
 #include "mapbuilder/diagnosis/length_unit.h"
 #include "mapbuilder/diagnosis/place_agreement.h"
+#include "mapbuilder/diagnosis/turn_evidence.h"
 
 namespace waymark {
 namespace {
@@ -83,8 +84,9 @@ std::string turn_text(const Eigen::Quaterniond& turn) {
 
 class MapJudge {
  public:
-  MapJudge(const MarkerMap& map, std::vector<Shared> shared)
-      : by_hand_(map.capture_fingerprints.empty()),
+  MapJudge(const MarkerMap& map, std::vector<Shared> shared, const TurnEvidence& images)
+      : images_(images),
+        by_hand_(map.capture_fingerprints.empty()),
         with_family_(map.several_families()),
         shared_(std::move(shared)),
         places_(places_of(shared_)) {}
@@ -226,7 +228,9 @@ class MapJudge {
       const double noise_rad = std::max(
           std::hypot(sigma_rad(*shared_[i].own), sigma_rad(*shared_[i].mapped)), turn_scatter_rad_);
       const bool off = agreement.agrees[i] == 0 && off_m > kWorthNaming.distance_m;
-      const bool turned = turned_rad > std::max(kWorthNaming.turn_rad, kSigmas * noise_rad);
+      const bool turned =
+          turned_rad > std::max(kWorthNaming.turn_rad, kSigmas * noise_rad) &&
+          images_.contradicts(shared_[i].own->id, turn(agreement, i) * common_turn_.conjugate());
       if (!off && !turned) continue;
       Finding& finding =
           name(i,
@@ -265,6 +269,7 @@ class MapJudge {
     return findings_.back();
   }
 
+  const TurnEvidence& images_;
   bool by_hand_;
   bool with_family_;
   std::vector<Shared> shared_;
@@ -277,7 +282,9 @@ class MapJudge {
 
 }  // namespace
 
-std::vector<Finding> map_findings(const MarkerMap& map, const BuildResult& own) {
+std::vector<Finding> map_findings(const MarkerMap& map, const BuildResult& own,
+                                  const Observations& observations) {
+  const TurnEvidence images(observations, own.estimate);
   std::vector<Finding> findings;
   for (const SubMap& submap : map.submaps) {
     std::vector<Shared> shared;
@@ -286,7 +293,7 @@ std::vector<Finding> map_findings(const MarkerMap& map, const BuildResult& own) 
       if (of_this.size() > shared.size()) shared = std::move(of_this);
     }
     if (shared.size() < 3 || on_a_line(shared)) continue;
-    for (Finding& finding : MapJudge(map, std::move(shared)).judge()) {
+    for (Finding& finding : MapJudge(map, std::move(shared), images).judge()) {
       findings.push_back(std::move(finding));
     }
   }

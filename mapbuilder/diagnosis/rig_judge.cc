@@ -20,8 +20,11 @@ constexpr std::size_t kMinInstants = 3;
 /// 2 Δ ln L that a hypothesis must gain on the stated rig, and stand above the next cause.
 constexpr double kMinGain = 20.0;
 constexpr double kMinLead = 10.0;
-/// A cause explains at least a third of the misfit; less is a calibration that could be better.
-constexpr double kMinCostRatio = 1.5;
+/// What the stated rig must cost (× the tracks' freedoms, which is what noise alone costs), and the
+/// share of what it costs beyond noise that a cause explains: less is a calibration that could be
+/// better.
+constexpr double kMinMisfit = 1.5;
+constexpr double kMinExplained = 1.0 / 3.0;
 
 /// Of an explanation with more numbers, the share (0.5–0.9) that one with fewer must explain to
 /// come first: a delay's remaining misfit is the path's own noise, a bump's can be fitted to it.
@@ -111,12 +114,13 @@ bool same_culprit(const RigExplanation& a, const RigExplanation& b) {
 
 /// Chooses among hypotheses whose gains are known.
 std::optional<RigExplanation> verdict(const std::vector<RigHypothesis>& all, double stated_cost,
-                                      double noise_scale) {
+                                      double freedoms, double noise_scale) {
   const auto gain = [](const RigHypothesis& h) { return h.explanation.gain; };
   const auto most = std::max_element(
       all.begin(), all.end(),
       [&](const RigHypothesis& a, const RigHypothesis& b) { return gain(a) < gain(b); });
-  if (most == all.end() || gain(*most) < kMinGain || stated_cost < kMinCostRatio * most->cost) {
+  if (most == all.end() || gain(*most) < kMinGain || stated_cost < kMinMisfit * freedoms ||
+      stated_cost - most->cost < kMinExplained * (stated_cost - freedoms)) {
     return std::nullopt;
   }
   // Numbers may be fitted to whatever bends the tracks; they explain only what they leave at about
@@ -171,7 +175,7 @@ std::optional<RigExplanation> explain_rig(const CameraTracks& tracks, const Rig&
                          h.numbers * std::log(n) - h.price + lens_misfit(tracks, stated, {}) -
                          lens_misfit(tracks, stated, h.explanation);
   }
-  return verdict(all, stated_cost, fit.noise_scale());
+  return verdict(all, stated_cost, n, fit.noise_scale());
 }
 
 }  // namespace waymark

@@ -121,10 +121,10 @@ std::optional<RigHypothesis> displaced_hypothesis(const RigCase& rig, std::size_
   RigExplanation& e = h.explanation;
   e.cause = Cause::rig_displaced;
   e.cameras = {camera};
-  e.value = turn_deg(h.rig[camera], rig.stated()[camera]);
-  e.unit = "°";
+  e.value = 1e-3 * distance_mm(h.rig[camera], rig.stated()[camera]);
+  e.unit = "m";
   e.detail = fmt::format("stands {:.1f} mm and {:.2f}° away from where rig.yaml has it",
-                         distance_mm(h.rig[camera], rig.stated()[camera]), e.value);
+                         1e3 * e.value, turn_deg(h.rig[camera], rig.stated()[camera]));
   e.remedy =
       "See whether it was moved or its entry mistyped; calibrate the rig anew, or build with "
       "--refine extrinsics.";
@@ -141,15 +141,15 @@ std::optional<RigHypothesis> all_displaced_hypothesis(const RigCase& rig) {
   rig.evaluate(h, start, FreeCameras::all());
   RigExplanation& e = h.explanation;
   e.cause = Cause::rig_displaced;
-  e.unit = "°";
+  e.unit = "m";
   constexpr double kWorthNaming = 5.0;  // stated sigmas
   for (std::size_t k = 1; k < rig.cameras(); ++k) {
     if (rig.fit().stated_sigmas(h.rig[k], rig.stated()[k]) < kWorthNaming) continue;
-    const double turned_deg = turn_deg(h.rig[k], rig.stated()[k]);
+    const double moved_mm = distance_mm(h.rig[k], rig.stated()[k]);
     e.cameras.push_back(k);
-    e.value = std::max(e.value, turned_deg);
-    e.detail += fmt::format("{}{:.1f} mm and {:.2f}°", e.detail.empty() ? "stand " : ", ",
-                            distance_mm(h.rig[k], rig.stated()[k]), turned_deg);
+    e.value = std::max(e.value, 1e-3 * moved_mm);
+    e.detail += fmt::format("{}{:.1f} mm and {:.2f}°", e.detail.empty() ? "stand " : ", ", moved_mm,
+                            turn_deg(h.rig[k], rig.stated()[k]));
   }
   if (e.cameras.empty()) return std::nullopt;
   e.detail += fmt::format(" away from where rig.yaml has them against {}", rig.name(0));

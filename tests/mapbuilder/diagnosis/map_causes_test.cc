@@ -53,7 +53,7 @@ void expect_right(const std::function<Expected(MarkerMap&, MeasuredRoom&, std::u
     MeasuredRoom room(seed);
     MarkerMap map = map_by_hand(room);
     const Expected expected = spoil(map, room, seed);
-    const auto findings = map_findings(map, room.result);
+    const auto findings = map_findings(map, room.result, room.observations);
     std::vector<MarkerId> markers;
     for (const int number : expected.numbers) {
       markers.push_back({Family::aruco_4x4_1000, number});
@@ -73,7 +73,7 @@ void expect_right(const std::function<Expected(MarkerMap&, MeasuredRoom&, std::u
 TEST(MapCauses, ASoundMapByHandHasNone) {
   for (std::uint32_t seed = 1; seed <= 60; ++seed) {
     MeasuredRoom room(seed);
-    const auto findings = map_findings(map_by_hand(room), room.result);
+    const auto findings = map_findings(map_by_hand(room), room.result, room.observations);
     EXPECT_THAT(findings, testing::IsEmpty()) << one_line(findings.front());
   }
 }

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "mapbuilder/build/map_builder.h"
+
+namespace waymark {
+
+/// What a capture's images say of a marker's orientation: small markers look nearly alike when they
+/// are flipped about the line of sight, and an estimate may have chosen either.
+class TurnEvidence {
+ public:
+  /// Both must outlive it.
+  TurnEvidence(const Observations& observations, const Estimate& estimate)
+      : observations_(observations), estimate_(estimate) {}
+
+  /// Whether the images speak against a marker that is turned by `turn` (about its own axes) from
+  /// where the estimate has it, the cameras held: there is no optimum near by, or 2 Δ ln L against
+  /// the estimate's pose is more than five sigmas make, the noise being what either leaves. False
+  /// where too little is seen.
+  [[nodiscard]] bool contradicts(MarkerId marker, const Eigen::Quaterniond& turn) const;
+
+ private:
+  /// Σ of squared residuals (px²) at the best pose that a start leads to.
+  struct Misfit {
+    double px2 = 0;
+    int residuals = 0;
+    Rigid3 best;
+  };
+  [[nodiscard]] std::optional<Misfit> misfit_near(MarkerIndex marker, const Rigid3& start) const;
+
+  const Observations& observations_;
+  const Estimate& estimate_;
+};
+
+}  // namespace waymark
