@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "core/estimate/marker_observation.h"
 #include "mapbuilder/build/map_builder.h"
 
 namespace waymark {
@@ -18,14 +21,14 @@ class TurnEvidence {
   /// where too little is seen.
   [[nodiscard]] bool contradicts(MarkerId marker, const Eigen::Quaterniond& turn) const;
 
- private:
-  /// Σ of squared residuals (px²) at the best pose that a start leads to.
-  struct Misfit {
-    double px2 = 0;
-    int residuals = 0;
-    Rigid3 best;
+  /// An observation of the marker by a camera whose pose is known.
+  struct Sight {
+    MarkerObservation observation;
+    ObservationGeometry geometry;
   };
-  [[nodiscard]] std::optional<Misfit> misfit_near(MarkerIndex marker, const Rigid3& start) const;
+
+ private:
+  [[nodiscard]] std::vector<Sight> sights_of(MarkerIndex marker) const;
 
   const Observations& observations_;
   const Estimate& estimate_;

@@ -26,7 +26,7 @@ MarkerMap map_by_hand(MeasuredRoom& room) {
   submap.frame = FrameKind::facility;
   for (std::size_t m = 0; m < room.room.world_from_marker.size(); ++m) {
     MapMarker marker;
-    marker.id = {Family::aruco_4x4_1000, static_cast<int>(m)};
+    marker.id = {Family::tag36h11, static_cast<int>(m)};
     marker.size_m = marker.stated_size_m = 0.3;
     marker.verified = true;
     marker.world_from_marker = room.room.world_from_marker[m];
@@ -56,7 +56,7 @@ void expect_right(const std::function<Expected(MarkerMap&, MeasuredRoom&, std::u
     const auto findings = map_findings(map, room.result, room.observations);
     std::vector<MarkerId> markers;
     for (const int number : expected.numbers) {
-      markers.push_back({Family::aruco_4x4_1000, number});
+      markers.push_back({Family::tag36h11, number});
     }
     if (findings.size() == 1 && findings[0].cause == expected.cause &&
         findings[0].markers == markers &&

@@ -26,7 +26,7 @@ class MeasuredRoom {
     BuiltSubMap submap;
     for (std::size_t m = 0; m < room.world_from_marker.size(); ++m) {
       MapMarker marker;
-      marker.id = {Family::aruco_4x4_1000, static_cast<int>(m)};
+      marker.id = {Family::tag36h11, static_cast<int>(m)};
       marker.size_m = marker.stated_size_m = 0.3;
       marker.verified = true;
       marker.world_from_marker = (world_from_room * room.world_from_marker[m]).plus(noise());

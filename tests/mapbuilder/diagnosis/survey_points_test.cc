@@ -13,7 +13,7 @@ namespace {
 using test::MeasuredRoom;
 
 MarkerPlace place_on(int number, std::optional<int> corner = std::nullopt) {
-  return {{Family::aruco_4x4_1000, number}, corner};
+  return {{Family::tag36h11, number}, corner};
 }
 
 /// Centres of markers 0, 1, 2, …, each measured to 3 mm.

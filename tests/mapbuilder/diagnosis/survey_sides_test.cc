@@ -20,7 +20,7 @@ constexpr std::uint32_t kVariants = 24;
 Survey points_of(MeasuredRoom& room, std::size_t count) {
   Survey survey;
   for (const int number : room.some_markers(count)) {
-    survey.points.push_back({{{Family::aruco_4x4_1000, number}, std::nullopt},
+    survey.points.push_back({{{Family::tag36h11, number}, std::nullopt},
                              room.measured(number, kSigma_m),
                              kSigma_m,
                              SurveyUse::fit});
@@ -34,8 +34,8 @@ Survey distances_of(MeasuredRoom& room, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const double apart_m =
         (room.measured(numbers[i], 0) - room.measured(numbers[i + count], kSigma_m)).norm();
-    survey.distances.push_back({{{Family::aruco_4x4_1000, numbers[i]}, std::nullopt},
-                                {{Family::aruco_4x4_1000, numbers[i + count]}, std::nullopt},
+    survey.distances.push_back({{{Family::tag36h11, numbers[i]}, std::nullopt},
+                                {{Family::tag36h11, numbers[i + count]}, std::nullopt},
                                 apart_m,
                                 kSigma_m,
                                 SurveyUse::fit});
