@@ -132,9 +132,34 @@ class CaptureExplainer {
     if (!mono_) return;
     for (std::size_t c = 0; c < captures_.size(); ++c) {
       evidence_[c] = lens_evidence(captures_[c], c, *mono_, options_);
+      for (std::size_t k = 0; k < evidence_[c].size(); ++k) {
+        if (evidence_[c][k]) improve_lens(captures_[c], k, *evidence_[c][k]);
+      }
       built_[c] = with_fitted_lenses(captures_[c], evidence_[c]);
     }
     if (std::any_of(captures_.begin(), captures_.end(), has_a_rig)) take_mono(built_);
+  }
+
+  /// A lens that is far from the stated one is not found among sound ones, in whose noise its own
+  /// misfit is lost: what it has come to so far is examined by its camera's images alone.
+  void improve_lens(const DetectedCapture& capture, std::size_t camera, CameraLens& lens) const {
+    constexpr int kMostRounds = 3;
+    constexpr double kWorthMore = 0.95;
+    DetectedCapture alone = capture;
+    std::erase_if(alone.images, [&](const ImageDetections& image) {
+      return image.camera != static_cast<int>(camera);
+    });
+    for (int round = 0; round < kMostRounds && lens.misfits() && is_poor(lens.fitted); ++round) {
+      auto model = CameraModel::create(lens.parameters);
+      if (!model) return;
+      alone.rig.cameras[camera].model = *std::move(model);
+      const auto mono = build_mono(telling_images({alone}), options_);
+      if (!mono) return;
+      const auto better = lens_evidence(alone, 0, *mono, options_)[camera];
+      if (!better || better->fitted.joint_px > kWorthMore * lens.fitted.joint_px) return;
+      lens.fitted = better->fitted;
+      lens.parameters = better->parameters;
+    }
   }
 
   /// Holds where the cameras of each capture stood against its rig.
