@@ -92,8 +92,9 @@ void state_sizes(const std::vector<MarkerCatalog>& catalogs, MapUpdate& update) 
 }
 
 /// Whatever contradicts old map and round as a whole: another place, unit, axes, scale.
-std::vector<Finding> why_not(const MarkerMap& old_map, const BuildResult& round) {
-  std::vector<Finding> findings = map_findings(old_map, round);
+std::vector<Finding> why_not(const MarkerMap& old_map, const BuildResult& round,
+                             const Observations& observations) {
+  std::vector<Finding> findings = map_findings(old_map, round, observations);
   std::erase_if(findings,
                 [](const Finding& finding) { return finding.severity != Severity::error; });
   return findings;
@@ -209,7 +210,7 @@ Status run_update(const UpdateCommandOptions& options, Progress& progress, std::
   const UpdateOptions update_options = known->options(options.drop_unseen);
   auto update = update_map(known->map, options.old_map.string(), parts, update_options);
   if (!update) {
-    append(why_not(known->map, round), findings);
+    append(why_not(known->map, round, observations), findings);
     print_findings(judged(std::move(findings), options.rules), notes);
     return tl::make_unexpected(update.error());
   }

@@ -174,8 +174,8 @@ INSTANTIATE_TEST_SUITE_P(
                  {{"tag36h11"}, {"0", "1", "2"}, {0.1, 0.2}, "a4", {}},
                  "as often as"},
         BadOrder{"IdBeyond", {{"tag36h11"}, {"587"}, {0.1}, "a4", {}}, "0 to 586"},
-        BadOrder{"IdsNoNumbers", {{"tag36h11"}, {"a-b"}, {0.1}, "a4", {}}, "write ids"},
-        BadOrder{"EmptyIds", {{"tag36h11"}, {""}, {0.1}, "a4", {}}, "write ids"},
+        BadOrder{"IdsNoNumbers", {{"tag36h11"}, {"a-b"}, {0.1}, "a4", {}}, "no range"},
+        BadOrder{"EmptyIds", {{"tag36h11"}, {""}, {0.1}, "a4", {}}, "no range"},
         BadOrder{"SizeInMm", {{"tag36h11"}, {"0"}, {160}, "a4", {}}, "within"},
         BadOrder{"SizeNan", {{"tag36h11"}, {"0"}, {std::nan("")}, "a4", {}}, "within"},
         BadOrder{
