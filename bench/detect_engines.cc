@@ -1,149 +1,216 @@
-// The detectors side by side: share of rendered markers found, false ids, time per image.
-// Usage: bench_detect_engines [CAPTURE...]: also counts detections on the captures' photos.
+// All detectors by turns on the same images, in one thread: processor time per image, what each
+// finds of all that any finds, by size and by tilt, and false markers.
+// Usage: bench_detect_engines [--absent FAMILY] [--only DETECTOR] [--list] CAPTURE...
+// With --absent the captures' images are searched for a family that they do not show: whatever is
+// found is false. A find counts when its corners can be refined and its cells read with them, as
+// ImageDetector has it; "rough" are all.
 
 #include <fmt/core.h>
 
-#include <chrono>
-#include <cmath>
-#include <numbers>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <ctime>
+#include <map>
 #include <opencv2/core/utility.hpp>
-#include <random>
-#include <set>
+#include <optional>
 
+#include "bench/detector_referees.h"
 #include "core/capture/capture_folder.h"
 #include "core/capture/image_file.h"
-#include "core/detect/image_detector.h"
-#include "core/detect/marker_detector.h"
-#include "tests/support/marker_renderer.h"
+#include "core/detect/aruco_detector.h"
+#include "core/detect/cell_reader.h"
+#include "core/detect/corner_refiner.h"
+#include "core/marker/marker_outline.h"
 
 namespace {
 
 using namespace waymark;  // NOLINT(google-build-using-namespace): a program of one file
-using waymark::testing::MarkerView;
-using waymark::testing::RenderedMarker;
 
-constexpr DetectorEngine kEngines[]{DetectorEngine::opencv, DetectorEngine::apriltag};
-
-const char* name_of_engine(DetectorEngine engine) {
-  return engine == DetectorEngine::opencv ? "opencv" : "apriltag";
+double thread_seconds() {
+  std::timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-struct Tally {
-  int shown = 0;
-  int found = 0;
-  int wrong = 0;
-  int images = 0;
-  double seconds = 0;
+double tilt_deg(const ImageCorners& c) {
+  Eigen::Matrix2d sides;
+  sides << 0.5 * (c[1] - c[0] + c[2] - c[3]), 0.5 * (c[3] - c[0] + c[2] - c[1]);
+  const Eigen::Vector2d lengths = Eigen::JacobiSVD<Eigen::Matrix2d>(sides).singularValues();
+  return std::acos(std::min(1.0, lengths[1] / lengths[0])) * 57.29578;
+}
+
+/// A bin of a table, by its lower end.
+struct Bins {
+  const char* name;
+  std::vector<double> begins;
+  [[nodiscard]] std::size_t of(double value) const {
+    std::size_t bin = 0;
+    while (bin + 1 < begins.size() && value >= begins[bin + 1]) ++bin;
+    return bin;
+  }
+};
+const Bins kSides{"side px", {0, 14, 20, 25, 35, 50, 80, 110}};
+const Bins kTilts{"tilt deg", {0, 30, 45, 60, 70, 75, 80}};
+
+/// A marker in one image and which detectors (bits) found it.
+struct Shown {
+  Detection detection;
+  unsigned found_by = 0;
 };
 
-std::vector<Detection> timed_detect(MarkerDetector& detector, const GrayView& image, Tally& tally) {
-  const auto begin = std::chrono::steady_clock::now();
-  std::vector<Detection> found = detector.detect(image);
-  tally.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  ++tally.images;
-  return found;
-}
+struct Tally {
+  std::vector<double> ms;
+  int rough = 0;
+  int kept = 0;
+  std::map<std::size_t, int> by_side;
+  std::map<std::size_t, int> by_tilt;
+};
 
-/// Twelve markers per image at random.
-Tally rendered(DetectorEngine engine, Family family, double side_px, double tilt_deg) {
-  const CameraModel camera = *CameraModel::create({1280, 960, 1000, 1000, 639.5, 479.5});
-  const auto detector = make_detector(engine, {&family, 1});
-  std::mt19937_64 generator(5);
-  std::uniform_real_distribution<double> unit(0, 1);
-  Tally tally;
-  for (int i = 0; i < 4; ++i) {
-    std::vector<RenderedMarker> markers;
-    std::set<int> shown;
-    for (int k = 0; k < 12; ++k) {
-      RenderedMarker marker;
-      marker.id = {family, static_cast<int>(unit(generator) * traits(family).id_count)};
-      const int row = k / 4;
-      const MarkerView view{{160.0 + 320 * (k % 4), 160.0 + 320 * row},
-                            side_px,
-                            tilt_deg * std::numbers::pi / 180,
-                            6.28 * unit(generator),
-                            6.28 * unit(generator)};
-      marker.cam_from_marker = pose_seen_as(camera, view, marker.size_m);
-      markers.push_back(marker);
-      shown.insert(marker.id.number);
+class Comparison {
+ public:
+  Comparison(Family family, const std::string& only, bool list) : list_(list), bits_({&family, 1}) {
+    detectors_ = bench::all_detectors(family);
+    if (!only.empty()) {
+      std::erase_if(detectors_, [&](const auto& one) { return one.name != only; });
     }
-    testing::RenderOptions options;
-    options.seed = static_cast<std::uint64_t>(i) + 1;
-    const GrayImage image = testing::render_markers(camera, markers, options);
-    std::set<int> found;
-    for (const Detection& detection : timed_detect(*detector, image.view(), tally)) {
-      if (shown.contains(detection.marker.number)) {
-        found.insert(detection.marker.number);
-      } else {
-        ++tally.wrong;
-      }
-    }
-    tally.shown += static_cast<int>(shown.size());
-    tally.found += static_cast<int>(found.size());
+    tallies_.resize(detectors_.size());
   }
-  return tally;
-}
 
-void print_rendered() {
-  fmt::print("Rendered, 12 markers in 1280×960, PSF σ 0.8 px, noise 2: found % (false ids) ms\n");
-  for (const Family family : {Family::aruco_4x4_1000, Family::aruco_original, Family::tag16h5,
-                              Family::tag25h9, Family::tag36h11}) {
-    for (const DetectorEngine engine : kEngines) {
-      if (!engine_knows(engine, family)) continue;
-      fmt::print("| {:<14} | {:<8} |", name_of(family), name_of_engine(engine));
-      for (const double side_px : {14.0, 18.0, 24.0, 60.0}) {
-        for (const double tilt_deg : {0.0, 60.0}) {
-          const Tally tally = rendered(engine, family, side_px, tilt_deg);
-          fmt::print(" {:.0f}px {:.0f}°: {:.0f} ({}) {:.0f} |", side_px, tilt_deg,
-                     100.0 * tally.found / tally.shown, tally.wrong,
-                     1e3 * tally.seconds / tally.images);
-        }
+  void add(const GrayView& image, const CameraModel& camera, const std::string& name) {
+    std::vector<Shown> shown;
+    for (std::size_t k = 0; k < detectors_.size(); ++k) {
+      const double begin = thread_seconds();
+      const std::vector<Detection>& found = detectors_[k].detector->detect(image);
+      tallies_[k].ms.push_back(1e3 * (thread_seconds() - begin));
+      tallies_[k].rough += static_cast<int>(found.size());
+      for (const Detection& rough : found) {
+        if (const auto kept = confirmed(image, camera, rough)) note(*kept, 1U << k, shown);
       }
+    }
+    for (const Shown& one : shown) count(one, name);
+  }
+
+  void print(const std::string& title) const {
+    fmt::print("{}: {} images, {} markers\n", title, tallies_[0].ms.size(), union_.kept);
+    for (std::size_t k = 0; k < detectors_.size(); ++k) {
+      const Tally& tally = tallies_[k];
+      fmt::print("| {:<14} | ms: {:7.2f} median, {:7.2f} max | {:5} rough | {:4} of {} |",
+                 detectors_[k].name, median(tally.ms),
+                 *std::max_element(tally.ms.begin(), tally.ms.end()), tally.rough, tally.kept,
+                 union_.kept);
+      print_bins(kSides, tally.by_side, union_.by_side);
+      print_bins(kTilts, tally.by_tilt, union_.by_tilt);
       fmt::print("\n");
     }
+    std::fflush(stdout);
   }
-}
 
-void print_capture(const std::string& path) {
+ private:
+  static double median(std::vector<double> values) {
+    std::nth_element(values.begin(), values.begin() + static_cast<long>(values.size() / 2),
+                     values.end());
+    return values[values.size() / 2];
+  }
+
+  static void print_bins(const Bins& bins, const std::map<std::size_t, int>& found,
+                         const std::map<std::size_t, int>& all) {
+    fmt::print(" {}:", bins.name);
+    for (const auto& [bin, count] : all) {
+      fmt::print(" ≥{:.0f} {}/{}", bins.begins[bin], found.contains(bin) ? found.at(bin) : 0,
+                 count);
+    }
+    fmt::print(" |");
+  }
+
+  std::optional<Detection> confirmed(const GrayView& image, const CameraModel& camera,
+                                     const Detection& rough) const {
+    const MarkerBits& bits = bits_.of(rough.marker);
+    const auto refined = refine_corners(image, camera, rough.corners, bits);
+    if (!refined) return std::nullopt;
+    const auto cells = read_cells(image, refined->corners, bits);
+    if (!cells || cells->wrong_code_cells > correctable_bits(rough.marker.family) ||
+        cells->wrong_border_cells > 4 * (bits.cells - 1) / 8) {
+      return std::nullopt;
+    }
+    return Detection{rough.marker, refined->corners, refined->covariances, cells->wrong_code_cells};
+  }
+
+  static void note(const Detection& found, unsigned by, std::vector<Shown>& shown) {
+    for (Shown& known : shown) {
+      if (known.detection.marker != found.marker) continue;
+      const Eigen::Vector2d off = centre_of(known.detection.corners) - centre_of(found.corners);
+      if (off.norm() > 0.2 * mean_side_px(found.corners)) continue;
+      known.found_by |= by;
+      return;
+    }
+    shown.push_back({found, by});
+  }
+
+  static void count(const Detection& detection, Tally& tally) {
+    ++tally.kept;
+    ++tally.by_side[kSides.of(mean_side_px(detection.corners))];
+    ++tally.by_tilt[kTilts.of(tilt_deg(detection.corners))];
+  }
+
+  void count(const Shown& one, const std::string& image) {
+    count(one.detection, union_);
+    for (std::size_t k = 0; k < tallies_.size(); ++k) {
+      if ((one.found_by >> k & 1U) != 0) count(one.detection, tallies_[k]);
+    }
+    const bool all = one.found_by + 1 == 1U << tallies_.size();
+    if (!list_ || all) return;
+    const Eigen::Vector2d at = centre_of(one.detection.corners);
+    fmt::print("{} id {} at {:.0f} {:.0f} side {:.0f} tilt {:.0f} hamming {}: by", image,
+               one.detection.marker.number, at.x(), at.y(), mean_side_px(one.detection.corners),
+               tilt_deg(one.detection.corners), one.detection.hamming);
+    for (std::size_t k = 0; k < tallies_.size(); ++k) {
+      if ((one.found_by >> k & 1U) != 0) fmt::print(" [{}]", detectors_[k].name);
+    }
+    fmt::print("\n");
+  }
+
+  bool list_;
+  MarkerBitsTable bits_;
+  std::vector<bench::NamedDetector> detectors_;
+  std::vector<Tally> tallies_;
+  Tally union_;
+};
+
+void compare(const std::string& path, std::optional<Family> absent, const std::string& only,
+             bool list) {
   const auto capture = open_capture_folder(path);
   if (!capture) {
     fmt::print(stderr, "{}\n", capture.error().message);
     return;
   }
-  std::vector<GrayImage> images;
+  Comparison comparison(absent.value_or(capture->catalog.entries().front().family), only, list);
   for (const ImageFile& file : capture->images) {
-    auto loaded = read_gray_image(file.path);
-    if (loaded) images.push_back(std::move(loaded->image));
+    const auto loaded = read_gray_image(file.path);
+    if (!loaded) continue;
+    const CameraModel& camera = capture->rig.cameras[static_cast<std::size_t>(file.camera)].model;
+    comparison.add(loaded->image.view(), camera, file.path.string());
   }
-  const Family family = capture->catalog.entries().front().family;
-  for (const DetectorEngine engine : kEngines) {
-    if (!engine_knows(engine, family)) continue;
-    const auto detector = make_detector(engine, {&family, 1});
-    Tally tally;
-    std::set<int> ids;
-    for (const GrayImage& image : images) {
-      for (const Detection& detection : timed_detect(*detector, image.view(), tally)) {
-        ++tally.found;
-        ids.insert(detection.marker.number);
-      }
-    }
-    fmt::print("| {} | {} | {} detections, {} ids | {:.0f} ms per image |\n", path,
-               name_of_engine(engine), tally.found, ids.size(), 1e3 * tally.seconds / tally.images);
-  }
-  ImageDetector detector(capture->catalog);
-  DetectionCounts counts;
-  const CameraModel& camera = capture->rig.cameras.front().model;
-  for (const GrayImage& image : images) counts += detector.detect(image.view(), camera).counts;
-  fmt::print(
-      "| {} | refined | found {} unknown {} unrefined {} misread {} ambiguous {} kept {} |\n", path,
-      counts.found, counts.unknown, counts.unrefined, counts.misread, counts.ambiguous,
-      counts.kept);
+  comparison.print(path);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);
-  print_rendered();
-  for (int i = 1; i < argc; ++i) print_capture(argv[i]);
+  std::optional<Family> absent;
+  bool list = false;
+  std::string only;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--list") {
+      list = true;
+    } else if (argument == "--only" && i + 1 < argc) {
+      only = argv[++i];
+    } else if (argument == "--absent" && i + 1 < argc) {
+      absent = family_from_name(argv[++i]);
+      if (!absent) return 64;
+    } else {
+      compare(argument, absent, only, list);
+    }
+  }
 }

@@ -74,6 +74,17 @@ void add_edges_option(CLI::App& app, bool& correct_edges) {
                "measure in the images how far edges are seen inside the black, and correct it");
 }
 
+void add_detector_option(CLI::App& app, DetectorEngine& engine) {
+  static const std::map<std::string, DetectorEngine> engines{
+      {"own", DetectorEngine::own},
+      {"opencv", DetectorEngine::opencv},
+      {"apriltag", DetectorEngine::apriltag}};
+  app.add_option("--detector", engine,
+                 fmt::format("who finds markers: own, opencv, apriltag (tag families); default {}",
+                             name_of(kBestEngine)))
+      ->transform(CLI::CheckedTransformer(engines));
+}
+
 void add_threads_option(CLI::App& app, int& threads) {
   app.add_option("--threads", threads, "threads; 0 = all processors; never changes the result")
       ->check(number_in(kThreads));
@@ -89,6 +100,7 @@ void add_rules_options(CLI::App& app, FindingRules& rules) {
 void add_input_options(CLI::App& app, CaptureInput& input) {
   app.add_flag("--redetect", input.detect.redetect, "detect even where detections.csv exists");
   add_edges_option(app, input.detect.correct_edges);
+  add_detector_option(app, input.detect.engine);
   app.add_option("--rig", input.rig_yaml, "for videos: Kalibr camchain");
   app.add_option("--markers", input.markers_toml, "for videos: families and sizes (markers.toml)");
   app.add_option("--every", input.video.every, "for videos: take one of so many frames")
@@ -105,6 +117,7 @@ Command add_detect(CLI::App& app, Progress& progress) {
   sub->add_option("CAPTURE", options->capture, "capture folder")->required();
   sub->add_option("-o,--output", options->output, "default: CAPTURE/detections.csv");
   add_edges_option(*sub, options->correct_edges);
+  add_detector_option(*sub, options->engine);
   add_rules_options(*sub, options->rules);
   add_threads_option(*sub, options->threads);
   return [options, &progress] { return run_detect(*options, progress, std::cout, std::cerr); };

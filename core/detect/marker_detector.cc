@@ -11,6 +11,7 @@
 #include "core/base/one_line.h"
 #include "core/detect/apriltag_detector.h"
 #include "core/detect/aruco_detector.h"
+#include "core/detect/own_detector.h"
 
 namespace waymark {
 namespace {
@@ -22,26 +23,23 @@ bool in_order(const Detection& a, const Detection& b) {
   return key(a) < key(b);
 }
 
-/// Several detectors as one.
-class CombinedDetector final : public MarkerDetector {
+/// Puts what a detector finds in order.
+class OrderedDetector final : public MarkerDetector {
  public:
-  explicit CombinedDetector(std::vector<std::unique_ptr<MarkerDetector>> parts)
-      : parts_(std::move(parts)) {}
+  explicit OrderedDetector(std::unique_ptr<MarkerDetector> detector)
+      : detector_(std::move(detector)) {}
 
   const std::vector<Detection>& find(const GrayView& image) override {
-    all_.clear();
-    for (const auto& part : parts_) {
-      const std::vector<Detection>& found = part->detect(image);
-      all_.insert(all_.end(), found.begin(), found.end());
-      if (!part->failure().empty()) set_failure(part->failure());
-    }
-    std::sort(all_.begin(), all_.end(), in_order);
-    return all_;
+    const std::vector<Detection>& found = detector_->detect(image);
+    ordered_.assign(found.begin(), found.end());
+    if (!detector_->failure().empty()) set_failure(detector_->failure());
+    std::sort(ordered_.begin(), ordered_.end(), in_order);
+    return ordered_;
   }
 
  private:
-  std::vector<std::unique_ptr<MarkerDetector>> parts_;
-  std::vector<Detection> all_;
+  std::unique_ptr<MarkerDetector> detector_;
+  std::vector<Detection> ordered_;
 };
 
 std::vector<Family> sorted_once(std::span<const Family> families) {
@@ -51,28 +49,17 @@ std::vector<Family> sorted_once(std::span<const Family> families) {
   return sorted;
 }
 
-std::unique_ptr<MarkerDetector> make_part(DetectorEngine engine,
-                                          const std::vector<Family>& families,
-                                          const DetectorOptions& options) {
-  if (engine == DetectorEngine::opencv) return std::make_unique<ArucoDetector>(families, options);
-  return std::make_unique<ApriltagDetector>(families, options);
-}
-
-/// One detector of each engine that `engine_of` names for some family.
-template <typename EngineOf>
-std::unique_ptr<MarkerDetector> make_combined(std::span<const Family> families,
-                                              const DetectorOptions& options,
-                                              const EngineOf& engine_of) {
-  WAYMARK_CHECK(!families.empty() && options.check().has_value());
-  std::vector<std::unique_ptr<MarkerDetector>> parts;
-  for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
-    std::vector<Family> own;
-    for (const Family family : sorted_once(families)) {
-      if (engine_of(family) == engine) own.push_back(family);
-    }
-    if (!own.empty()) parts.push_back(make_part(engine, own, options));
+std::unique_ptr<MarkerDetector> make_unordered(const std::vector<Family>& families,
+                                               const DetectorOptions& options) {
+  switch (options.engine) {
+    case DetectorEngine::own:
+      return std::make_unique<OwnDetector>(families, options);
+    case DetectorEngine::opencv:
+      return std::make_unique<ArucoDetector>(families, options);
+    case DetectorEngine::apriltag:
+      break;
   }
-  return std::make_unique<CombinedDetector>(std::move(parts));
+  return std::make_unique<ApriltagDetector>(families, options);
 }
 
 }  // namespace
@@ -100,24 +87,28 @@ void detect_in_calling_threads() {
   std::call_once(once, [] { cv::setNumThreads(1); });
 }
 
-bool engine_knows(DetectorEngine engine, Family family) {
-  return engine == DetectorEngine::opencv || family >= Family::tag16h5;
+std::string_view name_of(DetectorEngine engine) {
+  switch (engine) {
+    case DetectorEngine::own:
+      return "own";
+    case DetectorEngine::opencv:
+      return "opencv";
+    case DetectorEngine::apriltag:
+      break;
+  }
+  return "apriltag";
 }
 
-DetectorEngine best_engine(Family) { return DetectorEngine::opencv; }
+bool engine_knows(DetectorEngine engine, Family family) {
+  return engine != DetectorEngine::apriltag || family >= Family::tag16h5;
+}
 
 std::unique_ptr<MarkerDetector> make_detector(std::span<const Family> families,
                                               const DetectorOptions& options) {
-  return make_combined(families, options, best_engine);
-}
-
-std::unique_ptr<MarkerDetector> make_detector(DetectorEngine engine,
-                                              std::span<const Family> families,
-                                              const DetectorOptions& options) {
-  return make_combined(families, options, [&](Family family) {
-    WAYMARK_CHECK(engine_knows(engine, family));
-    return engine;
-  });
+  WAYMARK_CHECK(!families.empty() && options.check().has_value());
+  const std::vector<Family> sorted = sorted_once(families);
+  for (const Family family : sorted) WAYMARK_CHECK(engine_knows(options.engine, family));
+  return std::make_unique<OrderedDetector>(make_unordered(sorted, options));
 }
 
 }  // namespace waymark

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/base/range.h"
@@ -12,7 +13,8 @@
 
 namespace waymark {
 
-/// Finds and decodes markers: the seam behind which OpenCV's or libapriltag's detector stands.
+/// Finds and decodes markers: the seam behind which our own detector stands, and OpenCV's and
+/// libapriltag's as referees.
 /// Corners are rough (about ±1 px), in the order and pixel convention of `ImageCorners`
 /// (pixel centre at integers); refine_corners makes them exact. One detector per thread.
 class MarkerDetector {
@@ -41,11 +43,29 @@ class MarkerDetector {
   std::string failure_;
 };
 
+/// Who finds and decodes.
+enum class DetectorEngine {
+  own,       ///< OwnDetector: every family
+  opencv,    ///< every family
+  apriltag,  ///< libapriltag: the tag* families only
+};
+
+/// As `--detector` has them: own, opencv, apriltag.
+[[nodiscard]] std::string_view name_of(DetectorEngine engine);
+
+/// Whether the engine decodes the family.
+[[nodiscard]] bool engine_knows(DetectorEngine engine, Family family);
+
+/// The better engine by measurement (bench_detect_engines; bench/results.md).
+inline constexpr DetectorEngine kBestEngine = DetectorEngine::opencv;
+
 /// What a detector looks for.
 struct DetectorOptions {
   /// (8–1000 px) Shortest marker, as a quarter of its perimeter. Smaller ones are mostly
   /// undecodable, and every step down finds more false quads and takes more time.
   double min_side_px = 12;
+  /// Who finds them; every family must be known to it.
+  DetectorEngine engine = kBestEngine;
 
   /// usage, naming the field that lies outside its range.
   [[nodiscard]] Status check() const;
@@ -55,32 +75,9 @@ struct DetectorOptions {
 /// process: OpenCV else spreads it over threads of its own, which have no real-time priority.
 void detect_in_calling_threads();
 
-/// Which library finds and decodes.
-enum class DetectorEngine {
-  opencv,    ///< every family
-  apriltag,  ///< libapriltag: the tag* families only
-};
-
-/// Whether the engine decodes the family.
-[[nodiscard]] bool engine_knows(DetectorEngine engine, Family family);
-
-/// The better engine for a family by measurement (bench_detect_engines): OpenCV, for every one.
-/// On tag_table's 15 photos it finds all 41 markers and nothing else (libapriltag, given ArUco's
-/// codes: 41 and false ids at full resolution); on office_wall's 39 photos 162 against 158, none
-/// false, both 56 ids, in a third of the time. On rendered 36h11 with noise both find 98–100 % from
-/// 24 px side up at tilts to 60°; at 18 px OpenCV finds 98 % upright and 71 % at 60° (libapriltag
-/// 100 and 69 %), below that libapriltag finds more, for 10 to 30 times the time: an image of noise
-/// takes it a second.
-[[nodiscard]] DetectorEngine best_engine(Family family);
-
-/// A detector for all `families` (at least one; repeated ones count once), each found by its best
-/// engine. Families and options are valid (checked).
+/// A detector for all `families` (at least one, known to the engine; repeated ones count once).
+/// Families and options are valid (checked).
 [[nodiscard]] std::unique_ptr<MarkerDetector> make_detector(std::span<const Family> families,
-                                                            const DetectorOptions& options = {});
-
-/// The same with one engine for all, which must know them (checked).
-[[nodiscard]] std::unique_ptr<MarkerDetector> make_detector(DetectorEngine engine,
-                                                            std::span<const Family> families,
                                                             const DetectorOptions& options = {});
 
 }  // namespace waymark

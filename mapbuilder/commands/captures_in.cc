@@ -51,7 +51,7 @@ Expected<TakenCaptures> take_videos_in(const CaptureInput& input, Progress& prog
   }
   DetectionReport report;
   auto detected = detect_videos({input.paths, *input.rig_yaml, *input.markers_toml, input.video},
-                                input.detect.threads, progress, report);
+                                input.detect, progress, report);
   if (!detected) return tl::make_unexpected(detected.error());
   print_report(detected->name, report, notes);
   TakenCaptures taken;

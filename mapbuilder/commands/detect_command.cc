@@ -24,6 +24,7 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   detect.redetect = true;
   detect.threads = options.threads;
   detect.correct_edges = options.correct_edges;
+  detect.engine = options.engine;
   CaptureInput input;
   input.paths = {options.capture};
   input.detect = detect;
@@ -36,7 +37,7 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   }
   const DetectedCapture& capture = taken->captures.front();
   const std::string text = format_detections_csv(capture.images, capture.rig, capture.catalog,
-                                                 detector_name(), taken->edges);
+                                                 detector_name(options.engine), taken->edges);
   if (auto written = write_file_atomically(output, text); !written) return written;
   std::size_t markers = 0;
   for (const ImageDetections& image : capture.images) markers += image.detections.size();

@@ -6,16 +6,19 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "core/detect/marker_detector.h"
 #include "mapbuilder/commands/told_findings.h"
 
 namespace waymark {
 
-/// `mapbuilder detect CAPTURE [-o DETECTIONS.csv] [--correct-edges]`
+/// `mapbuilder detect CAPTURE [-o DETECTIONS.csv] [--correct-edges]
+/// [--detector own|opencv|apriltag]`
 struct DetectOptions {
   std::filesystem::path capture;
   std::optional<std::filesystem::path> output;  ///< default: detections.csv in the capture
   int threads = 0;
-  bool correct_edges = false;  ///< as in DetectCaptureOptions
+  bool correct_edges = false;           ///< as in DetectCaptureOptions
+  DetectorEngine engine = kBestEngine;  ///< likewise
   FindingRules rules;
 };
 

@@ -14,6 +14,9 @@
 namespace waymark {
 namespace {
 
+/// Of which corners compare: another is stale.
+constexpr std::string_view kDetector = "waymark-2";
+
 /// One image's outcome.
 struct DetectedImage {
   std::optional<FoundMarkers> found;
@@ -81,6 +84,9 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
   const auto shown = shown_in_images(capture.catalog, capture.path.string());
   if (!shown) return tl::make_unexpected(shown.error());
   if (*shown) report.warnings.push_back(**shown);
+  const auto detecting =
+      image_detector_options(capture.catalog, options.engine, capture.path.string());
+  if (!detecting) return tl::make_unexpected(detecting.error());
   DetectedCapture detected{capture.path.string(),  capture.rig,      capture.catalog, {},
                            capture.sync_tolerance, capture.monotonic};
   std::size_t rotated = 0;
@@ -91,7 +97,7 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
   const std::size_t batch = static_cast<std::size_t>(threads) * 4;
   std::vector<std::unique_ptr<ImageDetector>> detectors;
   for (int i = 0; i < threads; ++i) {
-    detectors.push_back(std::make_unique<ImageDetector>(capture.catalog));
+    detectors.push_back(std::make_unique<ImageDetector>(capture.catalog, *detecting));
   }
   progress.begin("detecting markers", capture.images.size());
   for (std::size_t first = 0; first < capture.images.size(); first += batch) {
@@ -147,10 +153,10 @@ Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport
       read_detections_csv(*capture.detections_csv, capture.rig, capture.catalog, capture.monotonic);
   if (!table) return tl::make_unexpected(table.error());
   const bool ours = table->detector.rfind("waymark-", 0) == 0;
-  if (ours && table->detector != detector_name()) {
+  if (ours && table->detector.rfind(kDetector, 0) != 0) {
     return fail(ErrorKind::bad_data,
                 "{}: made by {}, this is {}: stale; run mapbuilder detect again, or remove it",
-                capture.detections_csv->string(), table->detector, detector_name());
+                capture.detections_csv->string(), table->detector, kDetector);
   }
   report.from_csv = true;
   report.images = table->images.size();
@@ -174,7 +180,23 @@ Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport
 
 }  // namespace
 
-std::string detector_name() { return "waymark-1"; }
+std::string detector_name(DetectorEngine engine) {
+  return fmt::format("{}-{}", kDetector, name_of(engine));
+}
+
+Expected<ImageDetectorOptions> image_detector_options(const MarkerCatalog& catalog,
+                                                      DetectorEngine engine,
+                                                      const std::string& name) {
+  for (const Family family : families_in_images(catalog)) {
+    if (engine_knows(engine, family)) continue;
+    return fail(ErrorKind::usage,
+                "{}: --detector {} does not know the family {}; own and opencv do", name,
+                name_of(engine), name_of(family));
+  }
+  ImageDetectorOptions options;
+  options.detector.engine = engine;
+  return options;
+}
 
 Expected<DetectedCapture> detect_capture(const CaptureFolder& capture,
                                          const DetectCaptureOptions& options, Progress& progress,

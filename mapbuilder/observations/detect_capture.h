@@ -20,6 +20,7 @@ struct DetectCaptureOptions {
   /// Measure how far edges are seen inside the black and move corners outward (edge_correction);
   /// of detections.csv, whose images are not read, corners stay as they are.
   bool correct_edges = false;
+  DetectorEngine engine = kBestEngine;  ///< who finds markers
 };
 
 /// What happened to a capture's images.
@@ -34,8 +35,15 @@ struct DetectionReport {
   std::vector<std::string> warnings;  ///< one line each, ready to print
 };
 
-/// Name of our detector as it stands in the first line of a detections.csv.
-[[nodiscard]] std::string detector_name();
+/// Name of our detector, and of the engine in it, as it stands in the first line of a
+/// detections.csv.
+[[nodiscard]] std::string detector_name(DetectorEngine engine);
+
+/// An image detector for a catalog, of which some family is found in images (checked). usage where
+/// the engine does not know one of its families; `name` stands for catalog or capture there.
+[[nodiscard]] Expected<ImageDetectorOptions> image_detector_options(const MarkerCatalog& catalog,
+                                                                    DetectorEngine engine,
+                                                                    const std::string& name);
 
 /// A capture's detections: from its detections.csv or else from its images, each decoded, detected
 /// and dropped, several at a time. An unreadable image is skipped, counted and said, as is one of

@@ -43,8 +43,9 @@ Status check_sizes(const std::vector<VideoFrame>& frames,
 
 }  // namespace
 
-Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads,
-                                        Progress& progress, DetectionReport& report) {
+Expected<DetectedCapture> detect_videos(const VideoCapture& capture,
+                                        const DetectCaptureOptions& options, Progress& progress,
+                                        DetectionReport& report) {
   auto loaded = read_camchain(capture.rig_yaml);
   if (!loaded) return tl::make_unexpected(loaded.error());
   report.warnings = std::move(loaded->notes);
@@ -53,6 +54,9 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads
   const auto shown = shown_in_images(*catalog, capture.markers_toml.string());
   if (!shown) return tl::make_unexpected(shown.error());
   if (*shown) report.warnings.push_back(**shown);
+  const auto detecting =
+      image_detector_options(*catalog, options.engine, capture.markers_toml.string());
+  if (!detecting) return tl::make_unexpected(detecting.error());
   auto source = open_videos(capture.videos, loaded->rig, capture.options);
   if (!source) return tl::make_unexpected(source.error());
 
@@ -61,8 +65,10 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads
   detected.rig = std::move(loaded->rig);
   detected.catalog = std::move(*catalog);
   std::vector<std::unique_ptr<ImageDetector>> detectors(
-      static_cast<std::size_t>(effective_threads(threads)));
-  for (auto& detector : detectors) detector = std::make_unique<ImageDetector>(detected.catalog);
+      static_cast<std::size_t>(effective_threads(options.threads)));
+  for (auto& detector : detectors) {
+    detector = std::make_unique<ImageDetector>(detected.catalog, *detecting);
+  }
   progress.begin("detecting markers", (*source)->expected_frames());
   for (;;) {
     // A batch at a time: memory holds no more frames than the threads keep busy with.

@@ -18,10 +18,11 @@ struct VideoCapture {
   VideoOptions options;
 };
 
-/// Detects the markers in videos, frame by frame, several at a time; no frame is kept. Errors:
-/// those of open_videos, of the rig and of the catalog; bad_data for a video whose stamps don't
-/// rise.
-[[nodiscard]] Expected<DetectedCapture> detect_videos(const VideoCapture& capture, int threads,
+/// Detects the markers in videos, frame by frame, several at a time; no frame is kept, and edges
+/// are not corrected. Errors: those of open_videos, of the rig and of the catalog; bad_data for a
+/// video whose stamps don't rise.
+[[nodiscard]] Expected<DetectedCapture> detect_videos(const VideoCapture& capture,
+                                                      const DetectCaptureOptions& options,
                                                       Progress& progress, DetectionReport& report);
 
 }  // namespace waymark

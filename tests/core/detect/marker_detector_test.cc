@@ -25,6 +25,8 @@ using testing::MarkerView;
 using testing::RenderedMarker;
 
 constexpr int kCellPx = 10;
+constexpr std::array kEngines{DetectorEngine::own, DetectorEngine::opencv,
+                              DetectorEngine::apriltag};
 
 /// A marker as the family's own generator draws it, `kCellPx` per cell, on white paper.
 class Drawing {
@@ -104,9 +106,9 @@ class EveryFamily : public ::testing::TestWithParam<Family> {};
 TEST_P(EveryFamily, UprightAsItsOwnGeneratorDrawsItTheFirstCornerIsTopLeft) {
   const Family family = GetParam();
   const int last = traits(family).id_count - 1;
-  for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
+  for (const DetectorEngine engine : kEngines) {
     if (!engine_knows(engine, family)) continue;
-    const auto detector = make_detector(engine, {&family, 1});
+    const auto detector = make_detector({&family, 1}, {.engine = engine});
     for (const int number : {1, last / 2, last}) {
       const Drawing drawing({family, number});
       const auto found = detector->detect(drawing.view());
@@ -183,20 +185,22 @@ TEST_F(SeveralFamilies, AreAllFoundInOrder) {
   EXPECT_EQ(found[5].marker, (MarkerId{Family::tag36h11, 500}));
 }
 
-TEST_F(SeveralFamilies, BothEnginesAgreeOnTags) {
+TEST_F(SeveralFamilies, AllEnginesAgreeOnTags) {
   const std::vector<Family> tags{Family::tag36h11, Family::tag25h9};
-  const auto opencv = make_detector(DetectorEngine::opencv, tags)->detect(image_.view());
-  const auto apriltag = make_detector(DetectorEngine::apriltag, tags)->detect(image_.view());
-  ASSERT_EQ(opencv.size(), 3U);
-  ASSERT_EQ(apriltag.size(), 3U);
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(opencv[i].marker, apriltag[i].marker);
-    EXPECT_LT(largest_error_px(opencv[i].corners, apriltag[i].corners), 2);
+  const auto own = make_detector(tags, {.engine = DetectorEngine::own})->detect(image_.view());
+  ASSERT_EQ(own.size(), 3U);
+  for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
+    const auto referee = make_detector(tags, {.engine = engine})->detect(image_.view());
+    ASSERT_EQ(referee.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(own[i].marker, referee[i].marker);
+      EXPECT_LT(largest_error_px(own[i].corners, referee[i].corners), 2);
+    }
   }
 }
 
 TEST_F(SeveralFamilies, OpencvThreadsDoNotChangeTheResult) {
-  const auto detector = make_detector(DetectorEngine::opencv, families());
+  const auto detector = make_detector(families(), {.engine = DetectorEngine::opencv});
   const int threads = cv::getNumThreads();
   cv::setNumThreads(1);
   const auto one = detector->detect(image_.view());
@@ -220,8 +224,8 @@ TEST(MarkerDetector, RowsMayBePadded) {
   GrayView padded = wide.view();
   padded.width_px = plain.width_px;
   const Family family = Family::tag36h11;
-  for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
-    const auto detector = make_detector(engine, {&family, 1});
+  for (const DetectorEngine engine : kEngines) {
+    const auto detector = make_detector({&family, 1}, {.engine = engine});
     const auto expected = detector->detect(plain);
     const auto found = detector->detect(padded);
     ASSERT_EQ(found.size(), 1U);
@@ -234,8 +238,8 @@ TEST(MarkerDetector, TinyEmptyAndNoisyImagesHoldNothing) {
   std::mt19937 generator(3);
   GrayImage noise(320, 240);
   for (auto& grey : noise.pixels) grey = static_cast<std::uint8_t>(generator());
-  for (const DetectorEngine engine : {DetectorEngine::opencv, DetectorEngine::apriltag}) {
-    const auto detector = make_detector(engine, {&family, 1});
+  for (const DetectorEngine engine : kEngines) {
+    const auto detector = make_detector({&family, 1}, {.engine = engine});
     for (const int size : {1, 2, 7, 12, 16, 33}) {
       EXPECT_TRUE(detector->detect(GrayImage(size, size, 128).view()).empty());
       EXPECT_TRUE(detector->detect(GrayImage(size, 200, 0).view()).empty());
@@ -310,7 +314,7 @@ TEST(MarkerDetector, WhatALibraryThrowsIsAReasonNotTheEnd) {
 
 TEST(MarkerDetector, OpenCvsOwnFailuresAreHeldSilently) {
   const std::vector<Family> families{Family::tag36h11, Family::aruco_4x4_50};
-  const auto detector = make_detector(families);
+  const auto detector = make_detector(families, {.engine = DetectorEngine::opencv});
   ::testing::internal::CaptureStderr();
   const GrayView without_pixels{nullptr, 64, 64, 64};
   EXPECT_TRUE(detector->detect(without_pixels).empty());

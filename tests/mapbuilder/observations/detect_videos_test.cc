@@ -25,7 +25,7 @@ class DetectVideos : public ::testing::Test {
 
   Expected<DetectedCapture> detect(int threads = 0) {
     report_ = {};
-    return detect_videos(capture_, threads, progress_, report_);
+    return detect_videos(capture_, {.threads = threads}, progress_, report_);
   }
 
   TemporaryFolder folder_;

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/capture/gray_image.h"
+
+namespace waymark {
+
+/// Where an image is dark: a threshold for every tile of 4×4 pixels, half way between the darkest
+/// and the brightest of the 3×3 tiles around it (as libapriltag does; Wang and Olson, "AprilTag 2",
+/// IROS 2016, section IV-A). Tiles without contrast have none. What counts as contrast follows from
+/// the image's own noise. Keeps its memory from image to image.
+class TileThresholds {
+ public:
+  static constexpr int kTilePx = 4;
+  /// Stands for none: no pixel is darker than that.
+  static constexpr std::uint8_t kNone = 0;
+
+  /// The image has at least `kTilePx` columns and rows (checked).
+  void measure(const GrayView& image);
+
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] int rows() const { return rows_; }
+  /// Thresholds of a row of tiles: pixels below are dark.
+  [[nodiscard]] const std::uint8_t* row(int tile_row) const {
+    return thresholds_.data() + index(tile_row);
+  }
+  [[nodiscard]] std::uint8_t at_pixel(int x, int y) const { return row(y / kTilePx)[x / kTilePx]; }
+  /// Half way between the darkest and brightest pixel near a pixel's tile, whatever their contrast.
+  [[nodiscard]] std::uint8_t middle_at_pixel(int x, int y) const;
+  /// Least contrast (grey levels) within 12×12 pixels that is more than noise, where it is
+  /// greatest.
+  [[nodiscard]] int gate_grey() const { return gate_grey_; }
+
+ private:
+  void measure_tiles(const GrayView& image);
+  void widen();
+  void measure_gates();
+  [[nodiscard]] std::size_t index(int tile_row) const {
+    return static_cast<std::size_t>(tile_row) * static_cast<std::size_t>(columns_);
+  }
+
+  int columns_ = 0;
+  int rows_ = 0;
+  int gate_grey_ = 0;
+  /// By the brightest of a tile's surroundings: shot noise grows with light.
+  std::array<std::uint8_t, 256> gates_{};
+  // By tile, row by row.
+  std::vector<std::uint8_t> darkest_;
+  std::vector<std::uint8_t> brightest_;
+  std::vector<std::uint8_t> darkest_near_;
+  std::vector<std::uint8_t> brightest_near_;
+  std::vector<std::uint8_t> thresholds_;
+  // Of one row of pixels, or tiles.
+  std::vector<std::uint8_t> low_;
+  std::vector<std::uint8_t> high_;
+};
+
+}  // namespace waymark
