@@ -185,7 +185,8 @@ std::optional<Corners> divided_again(Border border, const Corners& corners,
   return better;
 }
 
-/// Where the image crosses the threshold outward of a dark pixel at the border, in one direction.
+/// Where the image is half way between dark and light, outward of a dark pixel at the border, in
+/// one direction.
 class Crossing {
  public:
   Crossing(const GrayView& image, const TileThresholds& thresholds, const Vector2d& outward)
@@ -198,17 +199,17 @@ class Crossing {
   }
 
   [[nodiscard]] std::optional<Vector2d> from(const Pixel& pixel) const {
-    constexpr int kReach = 2;
-    const int threshold = thresholds_.at_pixel(pixel.x, pixel.y);
-    int before = image_.row(pixel.y)[pixel.x];
-    for (int i = 1; i <= kReach; ++i) {
+    constexpr int kInside = 1;  // thresholds lie above the middle
+    constexpr int kOutside = 2;
+    const int middle = thresholds_.middle_at_pixel(pixel.x, pixel.y);
+    int before = 255;
+    for (int i = -kInside; i <= kOutside; ++i) {
       const int x = pixel.x + i * step_x_;
       const int y = pixel.y + i * step_y_;
       if (x < 0 || y < 0 || x >= image_.width_px || y >= image_.height_px) return std::nullopt;
       const int here = image_.row(y)[x];
-      if (here >= threshold) {
-        const double share = static_cast<double>(threshold - before) / (here - before);
-        const double outward = i - 1 + std::clamp(share, 0.0, 1.0);
+      if (before < middle && here >= middle) {
+        const double outward = i - 1 + static_cast<double>(middle - before) / (here - before);
         return Vector2d(pixel.x + outward * step_x_, pixel.y + outward * step_y_);
       }
       before = here;

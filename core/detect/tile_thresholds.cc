@@ -163,8 +163,8 @@ void TileThresholds::measure(const GrayView& image) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint8_t low = darkest_near_[i];
     const std::uint8_t high = brightest_near_[i];
-    const auto middle = static_cast<std::uint8_t>((high + low + 1) / 2);
-    thresholds_[i] = high - low >= gates_[high] ? middle : kNone;
+    const auto threshold = static_cast<std::uint8_t>((5 * high + 3 * low + 4) / 8);
+    thresholds_[i] = high - low >= gates_[high] ? threshold : kNone;
   }
 }
 

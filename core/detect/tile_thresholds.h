@@ -8,9 +8,11 @@
 
 namespace waymark {
 
-/// Where an image is dark: a threshold for every tile of 4×4 pixels, half way between the darkest
-/// and the brightest of the 3×3 tiles around it (as libapriltag does; Wang and Olson, "AprilTag 2",
-/// IROS 2016, section IV-A). Tiles without contrast have none. What counts as contrast follows from
+/// Where an image is dark: a threshold for every tile of 4×4 pixels between the darkest and the
+/// brightest of the 3×3 tiles around it (as libapriltag does; Wang and Olson, "AprilTag 2", IROS
+/// 2016, section IV-A), at five eighths of the way: blur, and sensors that encode light, let light
+/// run into thin dark lines, so that half way breaks small and slanted markers' borders. Tiles
+/// without contrast have none. What counts as contrast follows from
 /// the image's own noise. Keeps its memory from image to image.
 class TileThresholds {
  public:

@@ -35,12 +35,12 @@ int tiles_with_threshold(const TileThresholds& thresholds) {
   return count;
 }
 
-TEST(TileThresholds, LieHalfWayBesideAnEdgeAndAreNoneElsewhere) {
+TEST(TileThresholds, LieFiveEighthsUpBesideAnEdgeAndAreNoneElsewhere) {
   TileThresholds thresholds;
   thresholds.measure(step_image(50, 200).view());
   EXPECT_EQ(thresholds.columns(), 16);
   EXPECT_EQ(thresholds.rows(), 12);
-  for (const int x : {28, 31, 32, 35}) EXPECT_EQ(thresholds.at_pixel(x, 20), 125) << x;
+  for (const int x : {28, 31, 32, 35}) EXPECT_EQ(thresholds.at_pixel(x, 20), 144) << x;
   for (const int x : {0, 23, 40, 63}) EXPECT_EQ(thresholds.at_pixel(x, 20), TileThresholds::kNone);
   EXPECT_EQ(thresholds.middle_at_pixel(2, 2), 50);
 }
@@ -72,7 +72,7 @@ TEST(TileThresholds, WhereAnImageIsDarkAndQuietLessContrastCounts) {
   TileThresholds thresholds;
   thresholds.measure(image.view());
   EXPECT_GT(thresholds.gate_grey(), 44 - 20);
-  EXPECT_EQ(thresholds.at_pixel(40, 120), 32);
+  EXPECT_EQ(thresholds.at_pixel(40, 120), 35);
 }
 
 TEST(TileThresholds, NarrowTilesAtTheEndAreMeasuredToo) {
@@ -82,7 +82,7 @@ TEST(TileThresholds, NarrowTilesAtTheEndAreMeasuredToo) {
   thresholds.measure(image.view());
   EXPECT_EQ(thresholds.columns(), 4);
   EXPECT_EQ(thresholds.rows(), 3);
-  EXPECT_EQ(thresholds.at_pixel(12, 8), 125);
+  EXPECT_EQ(thresholds.at_pixel(12, 8), 144);
   thresholds.measure(GrayImage(4, 4, 9).view());
   EXPECT_EQ(tiles_with_threshold(thresholds), 0);
 }
