@@ -15,8 +15,9 @@ template <typename Change>
   CameraParameters p = camera.model.parameters();
   change(p);
   auto model = CameraModel::create(p);
-  if (model) camera.model = *std::move(model);
-  return model.has_value();
+  if (!model) return false;
+  camera.model = *std::move(model);
+  return true;
 }
 
 /// All cameras or one of them, as drawn.

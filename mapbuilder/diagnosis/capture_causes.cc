@@ -97,11 +97,15 @@ class CaptureExplainer {
   }
 
   /// Of prints and lenses, the one number that all markers share is asked first: it explains where
-  /// it leaves nothing that lenses would have to, and no more than they leave with eight each.
+  /// it leaves nothing that lenses would have to, and about as much as they leave with eight each,
+  /// which follow the noise by a tenth of it.
   bool explain_prints() {
-    constexpr double kAlike = 1.1;
+    constexpr double kAlike = 1.2;
     const auto shape = fit_print_shape(few_);
-    if (!shape || shape->own_px > kAlike * own_px(lenses_)) return false;
+    if (!shape || shape->own_px > kAlike * own_px(lenses_) ||
+        contradict(judge_lenses(with_square_prints(few_, shape->stretch)))) {
+      return false;
+    }
     auto square = with_square_prints(captures_, shape->stretch);
     auto mono = build_mono(telling_images(square), options_);
     if (!mono) return false;

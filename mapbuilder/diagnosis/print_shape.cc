@@ -7,9 +7,11 @@
 #include <cmath>
 #include <limits>
 
+#include "core/detect/marker_plane.h"
 #include "core/estimate/robust_loss.h"
 #include "core/geometry/square_homography.h"
 #include "core/geometry/symmetric_factor.h"
+#include "core/marker/marker_outline.h"
 #include "mapbuilder/diagnosis/square_equations.h"
 
 namespace waymark {
@@ -49,7 +51,7 @@ struct StretchEquation {
 std::vector<StretchEquation> equations_at(const std::vector<Outline>& outlines, double stretch) {
   std::vector<StretchEquation> all;
   for (const Outline& outline : outlines) {
-    const ImageCorners square = as_square(outline.corners_px, stretch);
+    const ImageCorners square = as_square(*outline.camera, outline.corners_px, stretch);
     const auto pose = own_pose(*outline.camera, square);
     const auto one = pose ? linearize_square(*outline.camera, square, *pose) : std::nullopt;
     if (!one) continue;
@@ -88,9 +90,18 @@ PrintShape improved(const std::vector<StretchEquation>& equations, double stretc
 
 }  // namespace
 
-ImageCorners as_square(const ImageCorners& corners_px, double stretch) {
-  const auto image_from_unit = homography_from_unit_square(corners_px);
-  if (!image_from_unit) return corners_px;
+ImageCorners as_square(const CameraModel& camera, const ImageCorners& corners_px, double stretch) {
+  const auto axis = camera.bearing(centre_of(corners_px));
+  if (!axis) return corners_px;
+  const MarkerPlane plane(camera, *axis);
+  ImageCorners outline;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto point = plane.plane_from_pixel(corners_px[i]);
+    if (!point) return corners_px;
+    outline[i] = *point;
+  }
+  const auto plane_from_unit = homography_from_unit_square(outline);
+  if (!plane_from_unit) return corners_px;
   // The print's outline is the unit square; that of a square print is narrower by half the stretch
   // and higher by the other half.
   const double half_width = 0.5 * std::exp(-0.5 * stretch);
@@ -99,7 +110,9 @@ ImageCorners as_square(const ImageCorners& corners_px, double stretch) {
   ImageCorners square;
   for (std::size_t i = 0; i < 4; ++i) {
     const Eigen::Vector3d at(0.5 + kSides[i][0] * half_width, 0.5 + kSides[i][1] * half_height, 1);
-    square[i] = (*image_from_unit * at).hnormalized();
+    const auto pixel = plane.pixel_from_plane((*plane_from_unit * at).hnormalized());
+    if (!pixel) return corners_px;
+    square[i] = *pixel;
   }
   return square;
 }
@@ -108,8 +121,9 @@ std::vector<DetectedCapture> with_square_prints(std::vector<DetectedCapture> cap
                                                 double stretch) {
   for (DetectedCapture& capture : captures) {
     for (ImageDetections& image : capture.images) {
+      const CameraModel& camera = capture.rig.cameras[static_cast<std::size_t>(image.camera)].model;
       for (Detection& detection : image.detections) {
-        detection.corners = as_square(detection.corners, stretch);
+        detection.corners = as_square(camera, detection.corners, stretch);
       }
     }
   }

@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "core/camera/camera_model.h"
 #include "core/marker/marker_geometry.h"
 #include "mapbuilder/diagnosis/finding.h"
 #include "mapbuilder/diagnosis/fit_quality.h"
@@ -9,10 +10,12 @@
 
 namespace waymark {
 
-/// What a marker's corners would look like if it were square, where its print is exp(`stretch`)
-/// times as wide as high: by the homography of its outline, so that no pose, lens or size is asked.
-/// As they are where three of them lie on a line.
-[[nodiscard]] ImageCorners as_square(const ImageCorners& corners_px, double stretch);
+/// What a marker's corners (px) would look like to the camera if it were square, where its print is
+/// exp(`stretch`) times as wide as high: by the homography of its outline across the line of sight,
+/// so that no pose and no size is asked. As they are where three of them lie on a line or the lens
+/// does not reach.
+[[nodiscard]] ImageCorners as_square(const CameraModel& camera, const ImageCorners& corners_px,
+                                     double stretch);
 
 /// How much wider than high all markers are printed.
 struct PrintShape {
