@@ -23,8 +23,8 @@ std::size_t string_length(std::string_view text) {
       return at + 1;
     } else if (several_lines && text.substr(at).starts_with(closing)) {
       // One or two quotes may stand before the three that close.
-      const std::size_t quotes = text.substr(at).find_first_not_of(quote);
-      return std::min(at + std::min<std::size_t>(quotes, 5), text.size());
+      const std::string_view end = text.substr(at, 5);
+      return at + std::min(end.find_first_not_of(quote), end.size());
     }
   }
   return text.size();

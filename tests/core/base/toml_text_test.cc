@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <ctime>
+
 #include "tests/support/peak_memory.h"
 #include "tests/support/temporary_folder.h"
 
@@ -135,6 +137,22 @@ TEST(TomlText, NoTextTakesMoreThanFiftyMegabytesAndTwentyTimesItsLength) {
   for (const std::string& text : texts) {
     const std::size_t peak = test::peak_memory([&] { (void)parse_toml(text, "x.toml"); });
     EXPECT_LT(peak, 50'000'000 + 20 * text.size()) << text.substr(0, 40);
+  }
+}
+
+double cpu_s(const std::string& text) {
+  const std::clock_t begin = std::clock();
+  (void)parse_toml(text, "x.toml");
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+TEST(TomlText, NoQuotesTakeMoreThanASecondAndAMicrosecondPerByte) {
+  for (const std::string part : {"'", "\"", "'''", "\"\"\"", "'' ", "\\\"", "'\n", "#'\n",
+                                 "''''''''\"\"\"\"\"\"\"\"", "''''''a", "'''\n'''"}) {
+    for (const std::string before : {"", "x = ", "x = [", "# a\nx = {a = "}) {
+      const std::string text = before + repeated(part, (kMaxTomlBytes - 64) / part.size());
+      EXPECT_LT(cpu_s(text), 1 + 1e-6 * static_cast<double>(text.size())) << before << part;
+    }
   }
 }
 
