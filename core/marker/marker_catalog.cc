@@ -80,7 +80,13 @@ class CatalogReader {
       const auto ranges = read_ids(*ignore, entry.family);
       if (!ranges) return tl::make_unexpected(ranges.error());
       for (const auto& [first, last] : *ranges) {
-        for (int id = first; id <= last; ++id) entry.ignored.insert(id);
+        for (int id = first; id <= last; ++id) {
+          if (!entry.ignored.insert(id).second) {
+            return fail(ErrorKind::bad_data,
+                        "{}: id {} is ignored already; it stands in two ranges",
+                        toml_place(name_, *ignore), id);
+          }
+        }
       }
     }
     if (const toml::node* sizes = block.get("sizes")) {

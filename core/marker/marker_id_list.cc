@@ -1,6 +1,7 @@
 #include "core/marker/marker_id_list.h"
 
 #include <algorithm>
+#include <tuple>
 
 #include "core/base/text_field.h"
 #include "core/marker/id_range.h"
@@ -8,9 +9,13 @@
 namespace waymark {
 namespace {
 
-/// The ids of one part, such as "tag36h11:3-7".
-Expected<std::vector<MarkerId>> parse_part(std::string_view part,
-                                           std::optional<Family> default_family) {
+struct FamilyRange {
+  Family family;
+  IdRange range;
+};
+
+/// The range of one part, such as "tag36h11:3-7".
+Expected<FamilyRange> parse_part(std::string_view part, std::optional<Family> default_family) {
   std::optional<Family> family = default_family;
   std::string_view numbers = part;
   if (const auto colon = part.find(':'); colon != std::string_view::npos) {
@@ -27,9 +32,19 @@ Expected<std::vector<MarkerId>> parse_part(std::string_view part,
   }
   const auto ranges = parse_id_ranges(numbers, *family);
   if (!ranges) return tl::make_unexpected(ranges.error());
+  return FamilyRange{*family, ranges->front()};
+}
+
+/// Rising, each once, however often the ranges overlap: none is walked twice.
+std::vector<MarkerId> ids_of(std::vector<FamilyRange> ranges) {
+  std::sort(ranges.begin(), ranges.end(), [](const FamilyRange& a, const FamilyRange& b) {
+    return std::tie(a.family, a.range.first) < std::tie(b.family, b.range.first);
+  });
   std::vector<MarkerId> ids;
-  for (const IdRange& range : *ranges) {
-    for (int number = range.first; number <= range.last; ++number) ids.push_back({*family, number});
+  for (const auto& [family, range] : ranges) {
+    const bool same = !ids.empty() && ids.back().family == family;
+    int number = same ? std::max(range.first, ids.back().number + 1) : range.first;
+    for (; number <= range.last; ++number) ids.push_back({family, number});
   }
   return ids;
 }
@@ -38,17 +53,15 @@ Expected<std::vector<MarkerId>> parse_part(std::string_view part,
 
 Expected<std::vector<MarkerId>> parse_marker_ids(std::string_view text,
                                                  std::optional<Family> default_family) {
-  std::vector<MarkerId> ids;
+  std::vector<FamilyRange> ranges;
   for (std::size_t begin = 0; begin <= text.size();) {
     const auto end = std::min(text.find(',', begin), text.size());
     const auto part = parse_part(trimmed(text.substr(begin, end - begin)), default_family);
-    if (!part) return part;
-    ids.insert(ids.end(), part->begin(), part->end());
+    if (!part) return tl::make_unexpected(part.error());
+    ranges.push_back(*part);
     begin = end + 1;
   }
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-  return ids;
+  return ids_of(std::move(ranges));
 }
 
 std::string format_marker_ids(std::span<const MarkerId> ids, bool with_family, std::size_t most) {

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <ctime>
+
 #include "tests/support/bad_input.h"
 #include "tests/support/temporary_folder.h"
 
@@ -179,6 +181,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadInput{"IdTwiceInOneRange",
                  "[markers]\nfamily = \"tag36h11\"\n[[markers.sizes]]\nids = [3, 3]\nsize_m = 1\n",
                  "id 3 has a size already"},
+        BadInput{"IgnoredInTwoRanges",
+                 "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = \"1-5, 9, 5-7\"\n",
+                 "line 4: id 5 is ignored already; it stands in two ranges"},
+        BadInput{"IgnoredTwice",
+                 "[markers]\nfamily = \"tag36h11\"\nsize_m = 1\nignore = [4, 3, 3]\n",
+                 "line 4: id 3 is ignored already"},
         BadInput{"IdOutsideTheFamily",
                  "[markers]\nfamily = \"tag16h5\"\nsize_m = 1\nignore = \"29-30\"\n",
                  "line 4: id 30: tag16h5 has the ids 0 to 29"},
@@ -215,6 +223,22 @@ INSTANTIATE_TEST_SUITE_P(
                  "[[markers]]\nfamily = \"tag16h5\"\nsize_m = 2\n",
                  "line 4: family \"tag16h5\" has two blocks"}),
     bad_input_name);
+
+TEST(MarkerCatalog, ManyRangesOfAllIdsTakeNoMoreThanASecondAndAMicrosecondPerByte) {
+  std::string ranges;
+  while (ranges.size() < 100'000) ranges += "0-48000,";
+  const std::string head = "[markers]\nfamily = \"tagstandard52h13\"\n";
+  for (const std::string& text :
+       {head + "size_m = 1\nignore = \"" + ranges + "1\"\n",
+        head + "[[markers.sizes]]\nsize_m = 1\nids = \"" + ranges + "1\"\n"}) {
+    const std::clock_t begin = std::clock();
+    const auto catalog = parse_marker_catalog(text, "markers.toml");
+    const double cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    ASSERT_FALSE(catalog);
+    EXPECT_THAT(catalog.error().message, HasSubstr("id 0 "));
+    EXPECT_LT(cpu_s, 1 + 1e-6 * static_cast<double>(text.size()));
+  }
+}
 
 TEST(MarkerCatalog, FamilyThatOnlyCsvBringsIsRefusedForImages) {
   EXPECT_TRUE(check_found_in_images(parsed(kMixedSizes), "capture"));

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <ctime>
+
 namespace waymark {
 namespace {
 
@@ -17,6 +20,18 @@ TEST(MarkerIdList, IsReadRisingAndEachOnce) {
             (std::vector<MarkerId>{tag16(1), tag36(3), tag36(4)}));
   EXPECT_EQ(*parse_marker_ids("tag16h5:1, 9", Family::tag36h11),
             (std::vector<MarkerId>{tag16(1), tag36(9)}));
+}
+
+TEST(MarkerIdList, OverlappingRangesAreWalkedOnce) {
+  std::string text = "tag16h5:3, tagstandard52h13:7-9";
+  for (int i = 0; i < 4'000; ++i) text += ",tagstandard52h13:0-48000";
+  const std::clock_t begin = std::clock();
+  const auto ids = parse_marker_ids(text, std::nullopt);
+  const double cpu_s = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  ASSERT_TRUE(ids) << ids.error().message;
+  EXPECT_EQ(ids->size(), 48'002U);
+  EXPECT_TRUE(std::is_sorted(ids->begin(), ids->end()));
+  EXPECT_LT(cpu_s, 1 + 1e-6 * static_cast<double>(text.size()));
 }
 
 TEST(MarkerIdList, RefusesWhatItCanNotMean) {
