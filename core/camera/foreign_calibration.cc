@@ -14,63 +14,133 @@ YAML::Node first_of(const YAML::Node& root, std::initializer_list<const char*> k
   return YAML::Node(YAML::NodeType::Undefined);
 }
 
-/// A matrix's numbers, row by row; empty where it is none.
-std::vector<double> numbers_of(const YAML::Node& matrix) {
+/// Whether a camera of a camchain stands there: cam0, cam1, …
+bool has_camera_key(const YAML::Node& root) {
+  return std::any_of(root.begin(), root.end(), [](const auto& item) {
+    const std::string key = item.first.IsScalar() ? item.first.Scalar() : "";
+    return key.size() > 3 && key.starts_with("cam") && key[3] >= '0' && key[3] <= '9';
+  });
+}
+
+/// A matrix's numbers, row by row; nullopt where it is none.
+std::optional<std::vector<double>> numbers_of(const YAML::Node& matrix) {
+  if (!matrix.IsDefined()) return std::nullopt;
   const YAML::Node data = matrix.IsMap() ? matrix["data"] : matrix;
+  if (!data.IsDefined() || !data.IsSequence()) return std::nullopt;
   std::vector<double> numbers;
-  if (!data.IsDefined() || !data.IsSequence()) return numbers;
   for (const auto& item : data) {
     double value = 0;
-    if (!item.IsScalar() || !YAML::convert<double>::decode(item, value)) return {};
+    if (!item.IsScalar() || !YAML::convert<double>::decode(item, value)) return std::nullopt;
     numbers.push_back(value);
   }
   return numbers;
 }
 
-/// What a camchain calls the lens; empty for one that it has no model of.
-std::string distortion_model_of(const YAML::Node& root, std::size_t coefficients) {
-  const YAML::Node named = root["distortion_model"];
-  const std::string model = named.IsDefined() && named.IsScalar() ? named.Scalar() : "plumb_bob";
-  if (model == "equidistant" || model == "fisheye") return "equidistant";
-  if (model == "rational_polynomial" || coefficients > 5) return "rational";
-  return model == "plumb_bob" ? "radtan" : "";
+/// Whether 9 numbers are fu 0 pu, 0 fv pv, 0 0 1.
+bool is_camera_matrix(const std::vector<double>& k) {
+  return k[1] == 0 && k[3] == 0 && k[6] == 0 && k[7] == 0 && k[8] == 1;
 }
+
+/// A lens by the names of a camchain.
+struct ForeignLens {
+  std::string model;
+  std::vector<double> coefficients;
+};
+
+/// The lens of one foreign calibration; `kind` names its program.
+class ForeignLensReader {
+ public:
+  ForeignLensReader(const std::string& name, const char* kind) : name_(name), kind_(kind) {}
+
+  Expected<ForeignLens> read(const YAML::Node& root) const {
+    const auto model = read_model(root["distortion_model"]);
+    if (!model) return tl::make_unexpected(model.error());
+    auto coefficients = read_coefficients(root, *model);
+    if (!coefficients) return tl::make_unexpected(coefficients.error());
+    return lens_of(*model, *std::move(coefficients));
+  }
+
+ private:
+  template <typename... Args>
+  [[nodiscard]] auto wrong(fmt::format_string<Args...> text, Args&&... args) const {
+    return fail(Cause::format, "{}: this is {}; {}", name_, kind_,
+                fmt::format(text, std::forward<Args>(args)...));
+  }
+
+  /// plumb_bob, which is OpenCV's default, rational_polynomial or equidistant.
+  Expected<std::string> read_model(const YAML::Node& named) const {
+    if (!named.IsDefined()) return "plumb_bob";
+    const std::string model = named.IsScalar() ? named.Scalar() : "";
+    if (model == "fisheye") return "equidistant";
+    for (const char* known : {"plumb_bob", "rational_polynomial", "equidistant"}) {
+      if (model == known) return model;
+    }
+    return wrong("its lens model '{}' is not one that is read", model);
+  }
+
+  Expected<std::vector<double>> read_coefficients(const YAML::Node& root,
+                                                  const std::string& model) const {
+    const YAML::Node at =
+        first_of(root, {"distortion_coefficients", "distortion_coeffs", "dist_coeffs"});
+    if (!at.IsDefined()) {
+      return wrong("it lacks distortion_coefficients; write data: [0, 0, 0, 0] for none");
+    }
+    auto numbers = numbers_of(at);
+    if (!numbers) return wrong("its distortion coefficients are no list of numbers");
+    // k3 and beyond that are zero say nothing.
+    while (numbers->size() > 4 && numbers->back() == 0) numbers->pop_back();
+    const bool none = numbers->empty() && model == "plumb_bob";
+    if (!none && (numbers->size() < 4 || (model == "equidistant" && numbers->size() != 4))) {
+      return wrong("{} distortion coefficients of the lens model {}; write 4", numbers->size(),
+                   model);
+    }
+    return *std::move(numbers);
+  }
+
+  static ForeignLens lens_of(const std::string& model, std::vector<double> coefficients) {
+    if (model == "equidistant") return {"equidistant", std::move(coefficients)};
+    if (std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; })) {
+      return {"none", {}};
+    }
+    const bool rational = model == "rational_polynomial" || coefficients.size() > 5;
+    return {rational && coefficients.size() > 4 ? "rational" : "radtan", std::move(coefficients)};
+  }
+
+  const std::string& name_;
+  const char* kind_;
+};
 
 }  // namespace
 
 Expected<std::optional<YAML::Node>> camchain_of_foreign(const YAML::Node& root,
                                                         const std::string& name) {
-  if (!root.IsMap() || !root["camera_matrix"].IsDefined()) return std::nullopt;
+  if (!root.IsMap() || !root["camera_matrix"].IsDefined() || has_camera_key(root)) {
+    return std::nullopt;
+  }
   const char* kind = root["camera_name"].IsDefined() || root["projection_matrix"].IsDefined()
                          ? "a ROS camera_info"
                          : "an OpenCV FileStorage";
-  const std::vector<double> k = numbers_of(root["camera_matrix"]);
+  const auto k = numbers_of(root["camera_matrix"]);
   const YAML::Node width = first_of(root, {"image_width", "image_Width", "width"});
   const YAML::Node height = first_of(root, {"image_height", "image_Height", "height"});
-  if (k.size() != 9 || !width.IsDefined() || !height.IsDefined()) {
+  if (!k || k->size() != 9 || !width.IsDefined() || !height.IsDefined()) {
     return fail(Cause::format,
                 "{}: this is {}; it lacks image_width, image_height or 9 numbers of camera_matrix; "
                 "write cam0: intrinsics [fu fv pu pv], resolution [w h] …",
                 name, kind);
   }
-  std::vector<double> coefficients =
-      numbers_of(first_of(root, {"distortion_coefficients", "distortion_coeffs", "dist_coeffs"}));
-  const std::string model = distortion_model_of(root, coefficients.size());
-  if (model.empty()) {
-    return fail(Cause::format, "{}: this is {}; its lens model '{}' is not one that is read", name,
-                kind, root["distortion_model"].Scalar());
+  if (!is_camera_matrix(*k)) {
+    return fail(Cause::format,
+                "{}: this is {}; its camera_matrix is not fu 0 pu, 0 fv pv, 0 0 1: {:g}", name,
+                kind, fmt::join(*k, ", "));
   }
-  // k3 and beyond that are zero say nothing.
-  while (coefficients.size() > 4 && coefficients.back() == 0) coefficients.pop_back();
-  const bool straight =
-      std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; });
+  const auto lens = ForeignLensReader(name, kind).read(root);
+  if (!lens) return tl::make_unexpected(lens.error());
   YAML::Node camera;
   camera["camera_model"] = "pinhole";
-  camera["intrinsics"] = std::vector<double>{k[0], k[4], k[2], k[5]};
-  camera["distortion_model"] = straight                                          ? "none"
-                               : coefficients.size() <= 4 && model == "rational" ? "radtan"
-                                                                                 : model;
-  camera["distortion_coeffs"] = straight ? std::vector<double>{} : coefficients;
+  camera["intrinsics"] = std::vector<double>{(*k)[0], (*k)[4], (*k)[2], (*k)[5]};
+  camera["distortion_model"] = lens->model;
+  camera["distortion_coeffs"] = lens->coefficients;
   camera["resolution"].push_back(width);
   camera["resolution"].push_back(height);
   YAML::Node chain;

@@ -57,6 +57,70 @@ TEST(ForeignCalibration, AForeignLensThatHasNoModelHereIsNamed) {
   EXPECT_EQ(straight->rig.cameras[0].model.parameters().distortion, Distortion::none);
 }
 
+TEST(ForeignCalibration, AFisheyeWithoutCoefficientsIsNoPinhole) {
+  const std::string data = "[-0.1, 0.02, 0.001, 0.002, 0.0]";
+  for (const char* model : {"equidistant", "fisheye"}) {
+    const std::string fisheye = replaced(kRosCameraInfo, "plumb_bob", model);
+    for (const char* coefficients : {"[0, 0, 0, 0]", "[0, 0, 0, 0, 0]", "[0.1, 0, 0, 0]"}) {
+      const auto loaded = parse_camchain(replaced(fisheye, data, coefficients), "rig.yaml");
+      ASSERT_TRUE(loaded) << loaded.error().message;
+      const CameraParameters& p = loaded->rig.cameras[0].model.parameters();
+      EXPECT_EQ(p.distortion, Distortion::equidistant) << model << coefficients;
+      EXPECT_EQ(p.coefficients[0], coefficients[1] == '0' && coefficients[2] == '.' ? 0.1 : 0);
+    }
+    for (const char* coefficients : {"[]", "[0, 0, 0]", "[0, 0, 0, 0, 1]"}) {
+      EXPECT_THAT(message_of(replaced(fisheye, data, coefficients)),
+                  HasSubstr("distortion coefficients of the lens model equidistant; write 4"));
+    }
+  }
+}
+
+TEST(ForeignCalibration, WhatIsNoListOfCoefficientsIsNotTakenAsNone) {
+  for (const char* text : {kRosCameraInfo, kOpenCvStorage}) {
+    const std::string storage = text;
+    const auto begin = storage.find("data: [", storage.find("distortion_coefficients")) + 6;
+    const std::string data = storage.substr(begin, storage.find(']', begin) + 1 - begin);
+    for (const char* other : {"[[-0.1, 0.02, 0.001, 0.002]]", "[a, 0, 0, 0]", "", "3", "{a: 1}",
+                              "[~, 0, 0, 0]", "[\"\", 0, 0, 0]"}) {
+      EXPECT_THAT(message_of(replaced(text, data, other)),
+                  HasSubstr("its distortion coefficients are no list of numbers"))
+          << other;
+    }
+    EXPECT_THAT(message_of(replaced(text, data, "[-0.1, 0.02]")),
+                HasSubstr("2 distortion coefficients of the lens model plumb_bob; write 4"));
+    EXPECT_THAT(message_of(replaced(text, "distortion_coefficients", "distortion")),
+                HasSubstr("it lacks distortion_coefficients"));
+    const auto none = parse_camchain(replaced(text, data, "[]"), "rig.yaml");
+    ASSERT_TRUE(none) << none.error().message;
+    EXPECT_EQ(none->rig.cameras[0].model.parameters().distortion, Distortion::none);
+  }
+  EXPECT_THAT(message_of(replaced(replaced(kRosCameraInfo, "plumb_bob", "rational_polynomial"),
+                                  "[-0.1, 0.02, 0.001, 0.002, 0.0]", "[]")),
+              HasSubstr("0 distortion coefficients"));
+}
+
+TEST(ForeignCalibration, AMatrixThatIsNoPinholeIsRefused) {
+  const std::string matrix = "[560.0, 0.0, 322.5, 0.0, 561.0, 237.5, 0.0, 0.0, 1.0]";
+  for (const char* other :
+       {"[560, 0.5, 322.5, 0, 561, 237.5, 0, 0, 1]", "[560, 0, 322.5, 0.5, 561, 237.5, 0, 0, 1]",
+        "[560, 0, 322.5, 0, 561, 237.5, 0.1, 0, 1]", "[560, 0, 322.5, 0, 561, 237.5, 0, 0.1, 1]",
+        "[560, 0, 322.5, 0, 561, 237.5, 0, 0, 2]", "[560, 0, 322.5, 0, 561, 237.5, 0, 0, .nan]"}) {
+    EXPECT_THAT(message_of(replaced(kRosCameraInfo, matrix, other)),
+                HasSubstr("its camera_matrix is not fu 0 pu, 0 fv pv, 0 0 1"))
+        << other;
+  }
+}
+
+TEST(ForeignCalibration, ACamchainWithForeignKeysStaysACamchain) {
+  for (const char* camera : {"cam0", "cam1", "cam07"}) {
+    const auto foreign = camchain_of_foreign(
+        YAML::Load(std::string(kRosCameraInfo) + camera + ": {intrinsics: [1, 2, 3, 4]}\n"),
+        "rig.yaml");
+    ASSERT_TRUE(foreign);
+    EXPECT_FALSE(foreign->has_value()) << camera;
+  }
+}
+
 TEST(ForeignCalibration, ACamchainIsNone) {
   const auto foreign =
       camchain_of_foreign(YAML::Load("cam0: {intrinsics: [1, 2, 3, 4]}"), "rig.yaml");
