@@ -13,7 +13,8 @@ namespace waymark {
 class InstanceLock {
  public:
   /// Takes `file` (created where absent, with its folder). Errors: unavailable, naming the pid of
-  /// the process that holds it; permission and cant_create when the file can't be made.
+  /// the process that holds it; permission and cant_create when the file can't be made; cant_create
+  /// where it is a link, no regular file, or one with several names: nothing of it is changed.
   [[nodiscard]] static Expected<InstanceLock> take(const std::filesystem::path& file);
 
   /// The pid of the process that holds `file`; nullopt: none, or none that we may see.

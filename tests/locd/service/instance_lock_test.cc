@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -75,6 +76,38 @@ TEST(InstanceLock, AnotherProcessHoldsItAndALockOfOursIsNoneOfItsOwn) {
   int status = 0;
   ASSERT_EQ(::waitpid(child, &status, 0), child);
   EXPECT_EQ(status, 0);
+}
+
+TEST(InstanceLock, OnlyAFileOfItsOwnIsWritten) {
+  const TemporaryFolder tmp;
+  const auto other = tmp.write("other", "what was there before");
+  const auto refused = [&](const std::filesystem::path& file, const char* why) {
+    const auto lock = InstanceLock::take(file);
+    ASSERT_FALSE(lock) << file;
+    EXPECT_EQ(lock.error().kind, ErrorKind::cant_create);
+    EXPECT_THAT(lock.error().message,
+                testing::AllOf(testing::HasSubstr(file.string()), testing::HasSubstr(why)));
+    EXPECT_EQ(tmp.read("other"), "what was there before");
+  };
+  std::filesystem::create_symlink(other, tmp.path() / "link");
+  refused(tmp.path() / "link", "a link");
+  std::filesystem::create_symlink(tmp.path() / "absent", tmp.path() / "dangling");
+  refused(tmp.path() / "dangling", "a link");
+  EXPECT_FALSE(std::filesystem::exists(tmp.path() / "absent"));
+  std::filesystem::create_hard_link(other, tmp.path() / "second");
+  refused(tmp.path() / "second", "2 names");
+  ASSERT_EQ(::mkfifo((tmp.path() / "pipe").c_str(), 0600), 0);
+  refused(tmp.path() / "pipe", "no regular file");
+}
+
+TEST(InstanceLock, ALinkHasNoHolder) {
+  const TemporaryFolder tmp;
+  const auto file = tmp.path() / "locd.pid";
+  const auto lock = InstanceLock::take(file);
+  ASSERT_TRUE(lock);
+  std::filesystem::create_symlink(file, tmp.path() / "link");
+  EXPECT_EQ(InstanceLock::holder(tmp.path() / "link"), std::nullopt);
+  EXPECT_EQ(InstanceLock::holder(file), ::getpid());
 }
 
 TEST(InstanceLock, APlaceThatCannotBeMadeIsSaid) {
