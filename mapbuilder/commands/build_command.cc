@@ -26,6 +26,7 @@
 #include "mapbuilder/diagnosis/quarantine_findings.h"
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
+#include "mapbuilder/upkeep/map_info.h"
 
 namespace waymark {
 namespace {
@@ -375,6 +376,11 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
                             : write_map_file(rejected, result.map);
       !written) {
     return written;
+  }
+  if (stands) {
+    if (auto written = write_info_of_build(options.output, observations, result, build); !written) {
+      return written;
+    }
   }
   if (report) {
     if (auto placed = report->put_in_place(); !placed) return placed;

@@ -21,6 +21,7 @@
 #include "mapbuilder/report/report_folder.h"
 #include "mapbuilder/report/report_of_build.h"
 #include "mapbuilder/upkeep/known_sizes.h"
+#include "mapbuilder/upkeep/map_info.h"
 #include "mapbuilder/upkeep/update_findings.h"
 
 namespace waymark {
@@ -50,16 +51,27 @@ Status check_outputs(const UpdateCommandOptions& options) {
 struct Known {
   MarkerMap map;
   std::optional<Quarantine> quarantine;
+  std::optional<std::vector<MarkerSystem>> systems;  ///< MAP.info
 
   [[nodiscard]] UpdateOptions options(bool drop_unseen) const {
-    return {quarantine ? moved_markers(*quarantine) : std::set<MarkerId>{}, drop_unseen};
+    return {quarantine ? moved_markers(*quarantine) : std::set<MarkerId>{}, drop_unseen,
+            systems.value_or(std::vector<MarkerSystem>{})};
+  }
+
+  /// Whether something is known of all markers together.
+  [[nodiscard]] bool depend_on_each_other() const {
+    return systems && std::all_of(systems->begin(), systems->end(),
+                                  [](const MarkerSystem& one) { return one.markers() > 0; });
   }
 };
 
 Expected<Known> read_known(const UpdateCommandOptions& options) {
   auto map = read_map_file(options.old_map);
   if (!map) return tl::make_unexpected(map.error());
-  Known known{*std::move(map), {}};
+  Known known{*std::move(map), {}, {}};
+  auto systems = read_map_info(options.old_map, known.map);
+  if (!systems) return tl::make_unexpected(systems.error());
+  known.systems = *std::move(systems);
   if (options.quarantine) {
     auto read = read_quarantine_of(*options.quarantine, known.map, options.old_map);
     if (!read) return tl::make_unexpected(read.error());
@@ -206,7 +218,7 @@ Status run_update(const UpdateCommandOptions& options, Progress& progress, std::
   append(not_explained(rig_findings(round, observations, build), explained->causes), findings);
   append(std::move(explained->diagnosed.findings), findings);
 
-  const RoundParts parts(observations, round, build);
+  RoundParts parts(observations, round, build);
   const UpdateOptions update_options = known->options(options.drop_unseen);
   auto update = update_map(known->map, options.old_map.string(), parts, update_options);
   if (!update) {
@@ -223,10 +235,12 @@ Status run_update(const UpdateCommandOptions& options, Progress& progress, std::
   }
   findings = judged(std::move(findings), options.rules);
   print_findings(findings, notes);
-  fmt::print(notes,
-             "note: {}: its markers were taken as independent of each other, by the covariances "
-             "that it holds of each\n",
-             options.old_map.string());
+  if (!known->depend_on_each_other()) {
+    fmt::print(notes,
+               "note: {}: no {} of it: markers of which it does not say how they depend on each "
+               "other were taken as independent, by the covariances of each\n",
+               options.old_map.string(), info_path(options.old_map).filename().string());
+  }
   if (const Status sound = check_map(update->map); !sound) {
     return fail(ErrorKind::bad_data, "{}: what came of it can't be a map: {}; nothing written",
                 result_name, sound.error().message);
@@ -242,6 +256,7 @@ Status run_update(const UpdateCommandOptions& options, Progress& progress, std::
   const bool stands = may_stand(findings, options.rules);
   const fs::path place = stands ? options.output : rejected_path(options.output);
   if (auto written = write_map_file(place, update->map); !written) return written;
+  if (auto written = write_map_info(place, update->map, update->systems); !written) return written;
   if (report) {
     if (auto placed = report->put_in_place(); !placed) return placed;
   }

@@ -3,51 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <map>
 
-#include "core/base/median.h"
 #include "core/map/map_edit.h"
 #include "core/map/marker_search.h"
-#include "mapbuilder/upkeep/prior_adjustment.h"
+#include "mapbuilder/upkeep/flipped_markers.h"
+#include "mapbuilder/upkeep/joined_system.h"
+#include "mapbuilder/upkeep/misfit.h"
 
 namespace waymark {
 namespace {
-
-/// Beyond so many sigmas a marker that stayed no longer stands where it stood.
-constexpr double kShiftedSigmas = 5.0;
-/// Fewer markers that stayed don't tell whether sigmas hold.
-constexpr std::size_t kFewestForMisfit = 5;
-
-std::optional<double> sigmas_off(const ComparedMarker& marker) {
-  if (!marker.sigma_m || !(*marker.sigma_m > 0)) return std::nullopt;
-  return marker.distance_m / *marker.sigma_m;
-}
-
-/// Median distance of those that stayed against what three normal coordinates would give, at least
-/// 1: half of the markers may have been pressed on again.
-double misfit_sigmas(const std::vector<ComparedMarker>& stayed) {
-  std::vector<double> squares;
-  for (const ComparedMarker& marker : stayed) {
-    if (const auto off = sigmas_off(marker)) squares.push_back(*off * *off);
-  }
-  if (squares.size() < kFewestForMisfit) return 1.0;
-  return std::max(1.0, std::sqrt(median(squares) / kMedianOfChi2_3));
-}
-
-/// Where sigmas don't hold, what is within five of them at the misfit that all show has not moved.
-void acquit(UpdatedPart& part) {
-  FrameComparison& comparison = part.comparison;
-  const auto acquitted = [&](const ComparedMarker& marker) {
-    const auto off = sigmas_off(marker);
-    return off && *off <= kShiftedSigmas * part.misfit_sigmas &&
-           marker.turn_rad <= MovedLimits{}.turn_rad;
-  };
-  std::copy_if(comparison.moved.begin(), comparison.moved.end(),
-               std::back_inserter(comparison.stayed), acquitted);
-  std::erase_if(comparison.moved, acquitted);
-  std::sort(comparison.stayed.begin(), comparison.stayed.end(),
-            [](const ComparedMarker& a, const ComparedMarker& b) { return a.id < b.id; });
-}
 
 double pooled_rms(double a, double count_a, double b, double count_b) {
   const double count = count_a + count_b;
@@ -74,6 +40,11 @@ void add_statistics(const MapMarker& before, MapMarker& marker) {
   marker.stated_size_m = before.stated_size_m;
 }
 
+bool stands_among(const std::vector<ComparedMarker>& markers, const MarkerId& id) {
+  return std::any_of(markers.begin(), markers.end(),
+                     [&](const ComparedMarker& one) { return one.id == id; });
+}
+
 void put(const MapMarker& marker, SubMap& submap) {
   const auto at =
       std::lower_bound(submap.markers.begin(), submap.markers.end(), marker.id,
@@ -85,11 +56,38 @@ void put(const MapMarker& marker, SubMap& submap) {
   }
 }
 
+/// The largest of the turn's variances; infinite where unknown.
+double turn_variance(const MapMarker& marker) {
+  if (!marker.covariance_known()) return std::numeric_limits<double>::infinity();
+  return marker.covariance.diagonal().tail<3>().maxCoeff();
+}
+
+/// Whether a marker's own move is doubtful: one view alone speaks for it; or it hangs where it hung
+/// and is tilted only, as one that is seen flipped, by who knows its turn less than the map.
+bool is_doubtful(const MapMarker& built, const MapMarker& old, const ComparedMarker& moved,
+                 const Rigid3& old_from_round) {
+  if (!built.verified) return true;
+  const MovedLimits limits;
+  if (is_shifted(moved, 1) && moved.distance_m > limits.distance_m) return false;
+  const auto normal_of = [](const Rigid3& pose) -> Eigen::Vector3d {
+    return pose.rotation * Eigen::Vector3d::UnitZ();
+  };
+  const double cosine =
+      normal_of(old_from_round * built.world_from_marker).dot(normal_of(old.world_from_marker));
+  return cosine < std::cos(limits.turn_rad) && turn_variance(built) > turn_variance(old);
+}
+
 class MapUpdater {
  public:
-  MapUpdater(const MarkerMap& old_map, const RoundParts& round, const UpdateOptions& options)
+  MapUpdater(const MarkerMap& old_map, RoundParts& round, const UpdateOptions& options)
       : old_map_(old_map), round_(round), options_(options) {
     update_.map = old_map;
+    known_.resize(old_map.submaps.size());
+    for (std::size_t s = 0; s < options.systems.size() && s < known_.size(); ++s) {
+      if (options.systems[s].markers() == 0) continue;
+      for (const MapMarker& marker : old_map.submaps[s].markers) known_[s].ids.push_back(marker.id);
+      known_[s].system = options.systems[s];
+    }
     for (std::size_t s = 0; s < old_map.submaps.size(); ++s) {
       for (const MapMarker& marker : old_map.submaps[s].markers) submap_of_[marker.id] = s;
     }
@@ -111,6 +109,7 @@ class MapUpdater {
     std::erase_if(update_.map.submaps, [](const SubMap& one) { return one.markers.empty(); });
     sort_map(update_.map);
     take_provenance();
+    take_systems();
     for (auto* ids : {&update_.improved, &update_.other_part, &update_.appeared, &update_.unseen,
                       &update_.not_taken}) {
       std::sort(ids->begin(), ids->end());
@@ -134,9 +133,12 @@ class MapUpdater {
     }
     if (tied.empty()) return false;
     updated.round_submap = part.submap;
+    reconsider_flips(part, updated);
     updated.misfit_sigmas = misfit_sigmas(updated.comparison.stayed);
-    acquit(updated);
+    acquit(updated.comparison, updated.misfit_sigmas);
     if (tied.size() > 1) update_.joined_parts.push_back(part.submap);
+    // Where sigmas don't hold, what the others' places tell holds even less.
+    if (updated.misfit_sigmas > kPoorSigmas) known_[updated.old_submap] = {};
     adjust(part, updated, tied);
     mark_missing(part, updated);
     take_figures(part, updated.old_submap);
@@ -144,74 +146,138 @@ class MapUpdater {
     return true;
   }
 
-  /// Whether a marker that stayed lies off by more than chance.
-  static bool is_shifted(const ComparedMarker& marker, double misfit) {
-    const auto off = sigmas_off(marker);
-    return off && *off > kShiftedSigmas * misfit;
+  /// What the round's views leave open stands as the old map has it.
+  void reconsider_flips(const RoundPart& part, UpdatedPart& updated) {
+    const SubMap& old = old_map_.submaps[updated.old_submap];
+    const Rigid3 round_from_old = updated.comparison.old_from_new.inverse();
+    std::map<MarkerId, Rigid3> earlier;
+    for (const ComparedMarker& marker : updated.comparison.moved) {
+      // Where it hangs says enough.
+      if (is_shifted(marker, 1) && marker.distance_m > MovedLimits{}.distance_m) continue;
+      earlier[marker.id] = round_from_old * find_marker(old, marker.id)->world_from_marker;
+    }
+    const auto places = unflipped(round_, part, earlier);
+    if (places.empty()) return;
+    round_.place(part, places);
+    auto again = compare_frames(round_.submap_of(part), old, options_.suspects);
+    if (again) updated.comparison = *std::move(again);
   }
 
   void adjust(const RoundPart& part, const UpdatedPart& updated,
               const std::set<std::size_t>& tied) {
-    const SubMap& old = old_map_.submaps[updated.old_submap];
     const SubMap& round = round_.submap_of(part);
-    std::vector<ComparedMarker> stayed = updated.comparison.stayed;
-    stayed.insert(stayed.end(), updated.comparison.suspects_in_place.begin(),
-                  updated.comparison.suspects_in_place.end());
-    std::vector<const MapMarker*> known;
-    std::set<MarkerId> shifted;
-    for (const ComparedMarker& marker : stayed) {
-      if (is_shifted(marker, updated.misfit_sigmas) && find_marker(round, marker.id)->verified) {
-        shifted.insert(marker.id);
-        update_.shifted.push_back(marker);
-      } else {
-        known.push_back(find_marker(old, marker.id));
+    std::set<MarkerId> released;
+    std::vector<MarkerId> carrying;
+    for (const auto* list : {&updated.comparison.stayed, &updated.comparison.suspects_in_place}) {
+      for (const ComparedMarker& marker : *list) {
+        if (is_shifted(marker, updated.misfit_sigmas) && find_marker(round, marker.id)->verified) {
+          released.insert(marker.id);
+          update_.shifted.push_back(marker);
+        } else {
+          carrying.push_back(marker.id);
+        }
       }
     }
-    const auto places = adjust_with_priors(round_, part, updated.comparison.old_from_new, known);
-    std::map<MarkerId, ComparedMarker> moved;
-    for (const ComparedMarker& marker : updated.comparison.moved) moved.emplace(marker.id, marker);
-    const double scale = updated.misfit_sigmas * updated.misfit_sigmas;
-    for (const MapMarker& built : round.markers) {
-      const auto place = places.find(built.id);
-      if (place == places.end()) {
-        update_.not_taken.push_back(built.id);
-        continue;
-      }
-      MapMarker marker = built;
-      marker.world_from_marker = place->second.world_from_marker;
-      marker.covariance = scale * place->second.covariance;
-      const auto gone_to = moved.find(built.id);
-      take_marker(marker, updated.old_submap, tied,
-                  gone_to == moved.end() ? nullptr : &gone_to->second, shifted.contains(built.id));
+    const KnownMarkers seen =
+        known_by_round(round_, part, updated.comparison.old_from_new, carrying);
+    std::set<MarkerId> taken = taken_of(round, seen.ids, updated, tied);
+    for (const ComparedMarker& marker : updated.comparison.moved) {
+      if (taken.contains(marker.id)) released.insert(marker.id);
+    }
+    const JoinedMarkers joined =
+        join(known_before(updated.old_submap, carrying, released), seen.marginal(taken));
+    if (joined.covariances.empty()) return;  // nothing of it is determined: all is as it was
+    place(joined, round, updated, taken);
+    for (const ComparedMarker& marker : updated.comparison.moved) {
+      if (taken.contains(marker.id)) update_.moved.push_back(marker);
     }
   }
 
-  void take_marker(MapMarker marker, std::size_t submap, const std::set<std::size_t>& tied,
-                   const ComparedMarker* moved, bool is_shifted) {
+  /// Which of the round's markers the map takes over; names the others.
+  std::set<MarkerId> taken_of(const SubMap& round, const std::vector<MarkerId>& determined,
+                              const UpdatedPart& updated, const std::set<std::size_t>& tied) {
+    std::map<MarkerId, const ComparedMarker*> moved;
+    for (const ComparedMarker& marker : updated.comparison.moved) moved[marker.id] = &marker;
+    std::set<MarkerId> taken;
+    for (const MapMarker& built : round.markers) {
+      const auto known = submap_of_.find(built.id);
+      const bool here = known == submap_of_.end() || known->second == updated.old_submap;
+      if (!std::binary_search(determined.begin(), determined.end(), built.id)) {
+        update_.not_taken.push_back(built.id);
+      } else if (here &&
+                 (!moved.contains(built.id) ||
+                  !is_doubtful(built, *find_marker(old_map_.submaps[updated.old_submap], built.id),
+                               *moved.at(built.id), updated.comparison.old_from_new))) {
+        taken.insert(built.id);
+      } else if (here) {
+        seen_.insert(built.id);
+        update_.doubted.push_back(*moved.at(built.id));
+      } else if (!tied.contains(known->second) && built.verified) {
+        taken.insert(built.id);
+      } else if (!tied.contains(known->second)) {
+        update_.not_taken.push_back(built.id);
+      }
+    }
+    return taken;
+  }
+
+  /// What is known of a sub-map's markers but for the released ones; of independent ones those
+  /// alone that carry the round tell anything.
+  [[nodiscard]] KnownMarkers known_before(std::size_t submap, const std::vector<MarkerId>& carrying,
+                                          const std::set<MarkerId>& released) const {
+    const std::vector<MarkerId>& known = known_[submap].ids;
+    std::set<MarkerId> keep(known.begin(), known.end());
+    for (const MarkerId& id : released) keep.erase(id);
+    if (!known.empty()) return known_[submap].marginal(keep);
+    KnownMarkers independent;
+    SubMap carriers;
+    for (const MarkerId& id : carrying) {
+      const MapMarker* marker = find_marker(update_.map.submaps[submap], id);
+      if (marker == nullptr) continue;
+      independent.ids.push_back(id);
+      carriers.markers.push_back(*marker);
+    }
+    independent.system = independent_system(carriers);
+    return independent;
+  }
+
+  /// Takes what is known of map and round together into the map.
+  void place(const JoinedMarkers& joined, const SubMap& round, const UpdatedPart& updated,
+             const std::set<MarkerId>& taken) {
+    SubMap& submap = update_.map.submaps[updated.old_submap];
+    const bool holds = updated.misfit_sigmas <= kPoorSigmas;
+    for (std::size_t i = 0; i < joined.known.ids.size(); ++i) {
+      const MarkerId& id = joined.known.ids[i];
+      const MapMarker* here = find_marker(submap, id);
+      const MapMarker* built = taken.contains(id) ? find_marker(round, id) : nullptr;
+      MapMarker marker = built != nullptr ? with_history(*built, updated) : *here;
+      marker.world_from_marker = joined.known.system.world_from_marker[i];
+      marker.covariance = joined.covariances[i];
+      if (built != nullptr && !holds) {
+        marker.covariance *= updated.misfit_sigmas * updated.misfit_sigmas;
+      }
+      put(marker, submap);
+    }
+    if (!known_[updated.old_submap].ids.empty()) known_[updated.old_submap] = joined.known;
+  }
+
+  /// A marker that was seen, with what is known of it from before, as far as it stood there.
+  MapMarker with_history(MapMarker marker, const UpdatedPart& updated) {
     const auto known = submap_of_.find(marker.id);
     seen_.insert(marker.id);
     if (known == submap_of_.end()) {
       update_.appeared.push_back(marker.id);
-    } else if (known->second != submap) {
-      // Of a part that the round ties to this one: it stays there.
-      if (tied.contains(known->second)) return;
-      if (!marker.verified) {
-        update_.not_taken.push_back(marker.id);
-        return;
-      }
+    } else if (known->second != updated.old_submap) {
       update_.other_part.push_back(marker.id);
       std::erase_if(update_.map.submaps[known->second].markers,
                     [&](const MapMarker& one) { return one.id == marker.id; });
-    } else if (moved != nullptr && !marker.verified) {
-      update_.doubted.push_back(*moved);
-      return;
-    } else if (moved != nullptr) {
-      update_.moved.push_back(*moved);
-    } else if (!is_shifted) {
-      add_statistics(*find_marker(old_map_.submaps[submap], marker.id), marker);
+    } else if (stands_among(updated.comparison.moved, marker.id)) {
+      marker.stated_size_m = find_marker(old_map_.submaps[known->second], marker.id)->stated_size_m;
+    } else if (!stands_among(update_.shifted, marker.id)) {
+      add_statistics(*find_marker(old_map_.submaps[known->second], marker.id), marker);
       update_.improved.push_back(marker.id);
     }
-    put(marker, update_.map.submaps[submap]);
+    return marker;
   }
 
   void mark_missing(const RoundPart& part, const UpdatedPart& updated) {
@@ -264,6 +330,22 @@ class MapUpdater {
     }
   }
 
+  /// What is known together of each sub-map as it is now.
+  void take_systems() {
+    for (const SubMap& submap : update_.map.submaps) {
+      MarkerSystem& system = update_.systems.emplace_back();
+      std::set<MarkerId> there;
+      for (const MapMarker& marker : submap.markers) there.insert(marker.id);
+      for (const KnownMarkers& known : known_) {
+        const bool of_it = std::any_of(known.ids.begin(), known.ids.end(),
+                                       [&](const MarkerId& id) { return there.contains(id); });
+        if (!of_it) continue;
+        const KnownMarkers here = known.marginal(there);
+        if (here.ids.size() == there.size()) system = here.system;
+      }
+    }
+  }
+
   void take_provenance() {
     MarkerMap& map = update_.map;
     const MarkerMap& round = round_.result().map;
@@ -277,17 +359,18 @@ class MapUpdater {
   }
 
   const MarkerMap& old_map_;
-  const RoundParts& round_;
+  RoundParts& round_;
   const UpdateOptions& options_;
   std::map<MarkerId, std::size_t> submap_of_;  ///< in the old map
   std::set<MarkerId> seen_;
+  std::vector<KnownMarkers> known_;  ///< per old sub-map, by now; without markers: independent
   MapUpdate update_;
 };
 
 }  // namespace
 
-Expected<MapUpdate> update_map(const MarkerMap& old_map, const std::string& name,
-                               const RoundParts& round, const UpdateOptions& options) {
+Expected<MapUpdate> update_map(const MarkerMap& old_map, const std::string& name, RoundParts& round,
+                               const UpdateOptions& options) {
   for (const ObservedCapture& capture : round.observations().captures) {
     if (!std::binary_search(old_map.capture_fingerprints.begin(),
                             old_map.capture_fingerprints.end(), capture.fingerprint)) {

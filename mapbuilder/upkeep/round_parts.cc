@@ -4,6 +4,8 @@
 #include <set>
 
 #include "core/map/marker_search.h"
+#include "mapbuilder/growth/adjustment_stages.h"
+#include "mapbuilder/growth/incremental_mapper.h"
 
 namespace waymark {
 namespace {
@@ -32,7 +34,31 @@ RoundParts::RoundParts(const Observations& observations, const BuildResult& resu
       selection_(observations, without_unmapped(observations, result)),
       parts_(find_parts()),
       estimate_(estimate_of_parts()),
-      prepared_(selection_, estimate_, options_.threads) {}
+      prepared_(selection_, estimate_, options_.threads) {
+  for (const BuiltSubMap& submap : result.submaps) submaps_.push_back(submap.map);
+}
+
+Estimate RoundParts::adjusted_from(const RoundPart& part,
+                                   const std::map<MarkerId, Rigid3>& places) const {
+  const Rigid3 estimate_from_world = part.world_from_estimate.inverse();
+  Estimate estimate = estimate_;
+  for (const auto& [id, place] : places) {
+    if (const auto m = index_of(id)) estimate.world_from_marker[*m] = estimate_from_world * place;
+  }
+  const IncrementalMapper mapper(selection_, options_);
+  return mapper.adjust({{part.component}, {}}, polish_adjustment(options_), std::move(estimate))
+      .estimate;
+}
+
+void RoundParts::place(const RoundPart& part, const std::map<MarkerId, Rigid3>& places) {
+  estimate_ = adjusted_from(part, places);
+  for (MapMarker& marker : submaps_[part.submap].markers) {
+    const auto m = index_of(marker.id);
+    if (m && estimate_.world_from_marker[*m]) {
+      marker.world_from_marker = part.world_from_estimate * *estimate_.world_from_marker[*m];
+    }
+  }
+}
 
 std::optional<MarkerIndex> RoundParts::index_of(const MarkerId& id) const {
   const auto& markers = observations().markers.values();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -34,9 +35,16 @@ class RoundParts {
   [[nodiscard]] const MapperOptions& options() const { return options_; }
   /// In the order of the result's sub-maps.
   [[nodiscard]] const std::vector<RoundPart>& parts() const { return parts_; }
+  /// As the build made it, with what was placed otherwise since.
   [[nodiscard]] const SubMap& submap_of(const RoundPart& part) const {
-    return result_.submaps[part.submap].map;
+    return submaps_[part.submap];
   }
+  /// The estimate with markers of a part put to other places (in its map's world), and the part
+  /// adjusted again from there.
+  [[nodiscard]] Estimate adjusted_from(const RoundPart& part,
+                                       const std::map<MarkerId, Rigid3>& places) const;
+  /// Makes that the round's own.
+  void place(const RoundPart& part, const std::map<MarkerId, Rigid3>& places);
   /// nullopt: the round has seen no such marker.
   [[nodiscard]] std::optional<MarkerIndex> index_of(const MarkerId& id) const;
   [[nodiscard]] const Component& component_of(const RoundPart& part) const {
@@ -53,6 +61,7 @@ class RoundParts {
   std::vector<RoundPart> parts_;
   Estimate estimate_;
   PreparedObservations prepared_;
+  std::vector<SubMap> submaps_;  ///< the result's
 };
 
 }  // namespace waymark

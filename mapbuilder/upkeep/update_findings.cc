@@ -10,9 +10,6 @@
 namespace waymark {
 namespace {
 
-/// Sigmas that hold less than this are said to; chance alone leaves 1 ± 0.2.
-constexpr double kPoorSigmas = 2.0;
-
 Finding listed(Severity severity, Cause cause, std::vector<MarkerId> markers, bool with_family,
                const char* text, const char* remedy) {
   Finding finding;
@@ -40,7 +37,8 @@ Finding about(const ComparedMarker& marker, Severity severity, Cause cause, bool
 Finding doubted(const ComparedMarker& marker, bool with_family) {
   Finding finding = about(marker, Severity::warning, Cause::few_views, with_family);
   finding.text = fmt::format(
-      "one view alone puts it {:.1f} mm and {:.2f}° from where it stood; it is left there.",
+      "seen {:.1f} mm and {:.2f}° from where it stood, but by one view alone, or tilted as if it "
+      "were seen flipped, less surely than the map has it; it is left there.",
       1e3 * marker.distance_m, kDegreesPerRadian * marker.turn_rad);
   finding.remedy = "Record more views of it, from different places, and update again.";
   return finding;

@@ -120,7 +120,7 @@ TEST_F(Update, NamesWhatHasChangedAndWritesTheMap) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.out.find("1 moved, 1 new, 2 not where they should be"), std::string::npos)
       << run.out;
-  EXPECT_NE(run.err.find("were taken as independent of each other"), std::string::npos) << run.err;
+  EXPECT_EQ(run.err.find("taken as independent"), std::string::npos) << run.err;
   const auto map = read_map_file(path("new.map"));
   ASSERT_TRUE(map);
   EXPECT_EQ(map->submaps[0].markers.size(), 41U);
@@ -197,6 +197,21 @@ TEST_F(Update, WhateverFailsLeavesWhatStoodThere) {
           .exit_code,
       64);
   EXPECT_EQ(folder.read("new.map"), "what stood there");
+}
+
+TEST_F(Update, SaysWhereNothingIsKnownOfTheMarkersTogether) {
+  ASSERT_EQ(built.exit_code, 0) << built.err;
+  ASSERT_EQ(update({}).exit_code, 0);
+  const std::string with_info = folder.read("new.map");
+  EXPECT_TRUE(std::filesystem::exists(path("new.map.info")));
+  folder.write("old.map.info", folder.read("old.map.info").substr(1));
+  EXPECT_EQ(update({}).exit_code, 65);
+  EXPECT_EQ(folder.read("new.map"), with_info);
+  std::filesystem::remove(path("old.map.info"));
+  const auto run = update({});
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  EXPECT_NE(run.err.find("no old.map.info of it"), std::string::npos) << run.err;
+  EXPECT_NE(folder.read("new.map"), with_info);
 }
 
 TEST_F(Update, MayTakeTheOldMapsPlace) {

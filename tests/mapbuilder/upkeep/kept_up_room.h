@@ -4,6 +4,7 @@
 
 #include <map>
 #include <memory>
+#include <random>
 #include <set>
 #include <string>
 
@@ -24,6 +25,7 @@ struct RoomToday {
 inline SyntheticRoom walk_through(const RoomToday& today, int frame_sets, int first, int last) {
   RoomOptions options = today.options;
   options.frame_sets = frame_sets;
+  options.noise_px = 0;  // that of walks with as many sets in common would be the same
   SyntheticRoom room = make_room(options);
   std::erase_if(room.images, [&](const ImageDetections& image) {
     return image.stamp < room_stamp(first) || image.stamp > room_stamp(last);
@@ -36,6 +38,16 @@ inline SyntheticRoom walk_through(const RoomToday& today, int frame_sets, int fi
   for (const auto& [number, place] : today.elsewhere) {
     if (today.gone.contains(number)) continue;
     hang(room, number, place, options.marker_m, [](Stamp) { return true; });
+  }
+  std::mt19937 random(1000 * options.seed + static_cast<std::uint32_t>(frame_sets));
+  std::normal_distribution<double> noise;
+  for (ImageDetections& image : room.images) {
+    for (Detection& d : image.detections) {
+      for (Eigen::Vector2d& corner : d.corners) {
+        corner.x() += today.options.noise_px * noise(random);
+        corner.y() += today.options.noise_px * noise(random);
+      }
+    }
   }
   return room;
 }

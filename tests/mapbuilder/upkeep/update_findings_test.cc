@@ -61,7 +61,7 @@ TEST(UpdateFindings, SayWhatBecameOfWhoIsMissing) {
   EXPECT_THAT(about(kept, 5)->text, HasSubstr("not seen where it should be: 9 frame sets"));
   EXPECT_THAT(about(kept, 5)->text, HasSubstr("it is kept, as not verified"));
   EXPECT_EQ(about(kept, 5)->severity, Severity::warning);
-  const auto dropped = update_findings(some_update(), {{}, true}, false);
+  const auto dropped = update_findings(some_update(), {{}, true, {}}, false);
   EXPECT_THAT(about(dropped, 5)->text, HasSubstr("it has left the map"));
 }
 
