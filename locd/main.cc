@@ -7,6 +7,7 @@
 #include <exception>
 #include <iostream>
 
+#include "core/base/usage_text.h"
 #include "locd/service/camera_list.h"
 #include "locd/service/daemon_command.h"
 #include "locd/service/replay_command.h"
@@ -46,6 +47,8 @@ int report(const Status& status) {
 
 int run(int argc, char** argv) {
   CLI::App app{"locd: tells a vehicle where it is, by the markers its cameras see"};
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& error) { return usage_text(error.what()); });
   app.set_version_flag("--version", WAYMARK_VERSION);
   ReplayCommandOptions replay;
   add_replay_options(app, replay);

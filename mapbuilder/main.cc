@@ -11,6 +11,7 @@
 #include "core/base/one_line.h"
 #include "core/base/parallel.h"
 #include "core/base/range.h"
+#include "core/base/usage_text.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"
 #include "mapbuilder/commands/diff_command.h"
@@ -301,6 +302,8 @@ Command add_evaluate(CLI::App& app) {
 
 int run(int argc, char** argv) {
   CLI::App app("Turns recorded captures of a building into a marker map.", "mapbuilder");
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& error) { return usage_text(error.what()); });
   app.set_version_flag("--version", WAYMARK_VERSION);
   app.require_subcommand(1);
   Progress progress;

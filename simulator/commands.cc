@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "core/base/one_line.h"
 #include "core/base/range.h"
 #include "simulator/rig_library.h"
 #include "simulator/scene_library.h"
@@ -143,7 +144,7 @@ int run_render(const RenderOptions& options, const std::atomic<bool>& stop) {
   job.settings.jpeg_quality = jpeg_quality;
   const auto result = render_capture(*scene, *rig, job, options.output, stop);
   if (!result) return report(result.error());
-  fmt::print("{}: {} images, {:.1f} images/s\n", options.output, result->images,
+  fmt::print("{}: {} images, {:.1f} images/s\n", in_one_line(options.output), result->images,
              static_cast<double>(result->images) / std::max(result->seconds, 1e-3));
   return 0;
 }
@@ -158,7 +159,8 @@ int run_detections(const DetectionsOptions& options, const std::atomic<bool>& st
   job.stamp_skew_sigma_s = options.stamp_skew_ms * 1e-3;
   const auto result = simulate_detections(*scene, *rig, job, options.output, stop);
   if (!result) return report(result.error());
-  fmt::print("{}: {} images, {} detections\n", options.output, result->images, result->detections);
+  fmt::print("{}: {} images, {} detections\n", in_one_line(options.output), result->images,
+             result->detections);
   return 0;
 }
 

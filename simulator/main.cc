@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "core/base/usage_text.h"
 #include "simulator/commands.h"
 
 namespace {
@@ -22,6 +23,8 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, note_interrupt);
 
   CLI::App app{"Makes captures of buildings with markers, with the truth beside them."};
+  app.failure_message(
+      [](const CLI::App*, const CLI::Error& error) { return waymark::usage_text(error.what()); });
   app.require_subcommand(1);
   auto* list = app.add_subcommand("list", "The scenes and rigs that are built in");
   RenderOptions render_options;

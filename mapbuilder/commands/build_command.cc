@@ -17,6 +17,7 @@
 #include "mapbuilder/build/trajectory_file.h"
 #include "mapbuilder/commands/build_summary.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/build_findings.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
@@ -123,7 +124,7 @@ Status write_refined_rigs(const fs::path& first, const Calibration& calibration,
         !written) {
       return written;
     }
-    fmt::print(out, "{}: refined rig\n", path.string());
+    print_line(out, "{}: refined rig", path.string());
   }
   return {};
 }
@@ -387,10 +388,10 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   print_summary(result, out);
   print_survey(result, out);
-  fmt::print(out, "{}: map {}, built in {:.2f} s\n", (stands ? options.output : rejected).string(),
+  print_line(out, "{}: map {}, built in {:.2f} s", (stands ? options.output : rejected).string(),
              content_hash(result.map), elapsed.count());
   if (options.report) {
-    fmt::print(out, "{}: report\n", (*options.report / "index.html").string());
+    print_line(out, "{}: report", (*options.report / "index.html").string());
   }
   if (stands) return {};
   return tl::make_unexpected(refusal_of(options.output.string(), findings,

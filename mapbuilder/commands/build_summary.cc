@@ -2,6 +2,8 @@
 
 #include <fmt/ostream.h>
 
+#include "mapbuilder/commands/print_line.h"
+
 namespace waymark {
 namespace {
 
@@ -28,7 +30,7 @@ void print_survey(const BuildResult& result, std::ostream& out) {
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     for (const SurveyResidual& entry : result.submaps[i].survey) {
       if (!entry.mapped) continue;
-      fmt::print(out, "sub-map {}: survey {}: {}: off by {:+.2f} mm ({:.1f} sigma)\n", i,
+      print_line(out, "sub-map {}: survey {}: {}: off by {:+.2f} mm ({:.1f} sigma)", i,
                  name_of(entry.use), entry.entry, entry.residual_m * 1e3,
                  entry.residual_m / entry.sigma_m);
     }

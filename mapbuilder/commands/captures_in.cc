@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/base/notes.h"
+#include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/input_findings.h"
 #include "mapbuilder/import/open_capture.h"
 #include "mapbuilder/observations/edge_correction.h"
@@ -32,7 +33,7 @@ bool is_file(const std::filesystem::path& path) {
 
 void print_report(const std::string& name, const DetectionReport& report, std::ostream& notes) {
   print_notes(report.warnings, notes);
-  fmt::print(notes, "{}: {} images{}, {} markers found{}\n", name, report.images,
+  print_line(notes, "{}: {} images{}, {} markers found{}", name, report.images,
              report.unreadable > 0 ? fmt::format(" ({} skipped)", report.unreadable) : "",
              report.detections, report.from_csv ? " (from detections.csv)" : "");
 }
@@ -77,7 +78,7 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
     if (!folder) return tl::make_unexpected(folder.error());
     print_notes(folder->notes, notes);
     if (folder->survey_toml && input.survey_not_asked) {
-      fmt::print(notes, "note: {0}: used only when asked for: --survey {0}\n",
+      print_line(notes, "note: {0}: used only when asked for: --survey {0}",
                  folder->survey_toml->string());
     }
     folders.push_back(std::move(*folder));
@@ -89,13 +90,13 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
     if (!detected) return tl::make_unexpected(detected.error());
     print_report(folder.path.string(), report, notes);
     if (input.detect.correct_edges && report.from_csv) {
-      fmt::print(notes,
+      print_line(notes,
                  "note: {}: its corners stay as they are; --redetect --correct-edges reads "
-                 "the images\n",
+                 "the images",
                  folder.detections_csv->string());
     }
     for (std::string& line : edge_lines(report, detected->rig)) {
-      fmt::print(notes, "{}\n", line);
+      print_line(notes, "{}", line);
       taken.edges.push_back(std::move(line));
     }
     const auto looks = look_at_images(folder, *detected, input.detect.threads, progress);

@@ -6,6 +6,7 @@
 #include "core/capture/detections_csv_text.h"
 #include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/print_line.h"
 
 namespace waymark {
 
@@ -41,7 +42,7 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   if (auto written = write_file_atomically(output, text); !written) return written;
   std::size_t markers = 0;
   for (const ImageDetections& image : capture.images) markers += image.detections.size();
-  fmt::print(out, "{}: {} markers in {} images\n", output.string(), markers, capture.images.size());
+  print_line(out, "{}: {} markers in {} images", output.string(), markers, capture.images.size());
   return {};
 }
 

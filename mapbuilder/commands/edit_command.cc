@@ -9,6 +9,7 @@
 #include "core/map/marker_search.h"
 #include "core/marker/marker_id_list.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/print_line.h"
 
 namespace waymark {
 namespace {
@@ -85,9 +86,9 @@ Status run_edit(const EditOptions& options, std::ostream& out, std::ostream& not
     fmt::print(notes, "note: verified before: {}\n",
                format_marker_ids(before, map->several_families()));
   }
-  fmt::print(out,
+  print_line(out,
              "{}: {} markers, {} removed, {} renamed, {} accepted; map {}, before {}: a quarantine "
-             "of that one does not hold for it\n",
+             "of that one does not hold for it",
              options.output.string(), marker_ids(*edited).size(), edit->remove.size(),
              edit->rename.size(), edit->accept.size(), content_hash(*edited), content_hash(*map));
   return {};

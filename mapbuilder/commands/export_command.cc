@@ -8,6 +8,7 @@
 #include "core/map/map_json.h"
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/print_line.h"
 
 namespace waymark {
 namespace {
@@ -42,7 +43,7 @@ Status run_export(const ExportOptions& options, std::ostream& notes) {
     const std::filesystem::path path = path_of_submap(options.output, i);
     auto status = write_file_atomically(path, format(map->submaps[i], map->several_families()));
     if (!status) return status;
-    if (i > 0) notes << fmt::format("sub-map {} is in {}\n", i, path.string());
+    if (i > 0) print_line(notes, "sub-map {} is in {}", i, path.string());
   }
   return {};
 }

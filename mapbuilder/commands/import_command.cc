@@ -3,6 +3,7 @@
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/print_line.h"
 
 namespace waymark {
 
@@ -13,8 +14,8 @@ Status run_import(const ImportOptions& options, std::ostream& out) {
   if (auto status = write_map_file(options.output, *map); !status) return status;
   std::size_t markers = 0;
   for (const SubMap& submap : map->submaps) markers += submap.markers.size();
-  out << fmt::format("{}: {} markers, content hash {}\n", options.output.string(), markers,
-                     content_hash(*map));
+  print_line(out, "{}: {} markers, content hash {}", options.output.string(), markers,
+             content_hash(*map));
   return {};
 }
 

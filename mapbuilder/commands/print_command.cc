@@ -11,6 +11,7 @@
 #include "core/marker/id_range.h"
 #include "core/marker/marker_catalog.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/print/pdf_file.h"
 #include "mapbuilder/print/print_advice.h"
 #include "mapbuilder/print/sheet_layout.h"
@@ -158,7 +159,7 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
   }
   std::size_t markers = 0;
   for (const MarkerBatch& batch : *batches) markers += batch.numbers.size();
-  fmt::print(out, "{}: {} markers on {} sheets; sizes: {}{}\n", options.output.string(), markers,
+  print_line(out, "{}: {} markers on {} sheets; sizes: {}{}", options.output.string(), markers,
              sheets.size(), markers_toml.string(), there ? " (as it was)" : "");
   fmt::print(out, "print at 100 %, not \"fit to page\", and measure a ruler\n");
   return {};

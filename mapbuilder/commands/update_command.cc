@@ -12,6 +12,7 @@
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/build/world_frame.h"
 #include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
 #include "mapbuilder/diagnosis/clock_findings.h"
@@ -236,9 +237,9 @@ Status run_update(const UpdateCommandOptions& options, Progress& progress, std::
   findings = judged(std::move(findings), options.rules);
   print_findings(findings, notes);
   if (!known->depend_on_each_other()) {
-    fmt::print(notes,
+    print_line(notes,
                "note: {}: no {} of it: markers of which it does not say how they depend on each "
-               "other were taken as independent, by the covariances of each\n",
+               "other were taken as independent, by the covariances of each",
                options.old_map.string(), info_path(options.old_map).filename().string());
   }
   if (const Status sound = check_map(update->map); !sound) {
@@ -262,7 +263,7 @@ Status run_update(const UpdateCommandOptions& options, Progress& progress, std::
   }
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   print_update(*update, out);
-  fmt::print(out, "{}: map {}, updated in {:.2f} s\n", place.string(), content_hash(update->map),
+  print_line(out, "{}: map {}, updated in {:.2f} s", place.string(), content_hash(update->map),
              elapsed.count());
   if (stands) return {};
   return tl::make_unexpected(

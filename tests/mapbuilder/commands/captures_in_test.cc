@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include "core/base/one_line.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -46,6 +47,17 @@ TEST_F(CapturesIn, TakesEveryCaptureAndSaysWhatItFound) {
   EXPECT_EQ(captures->captures[1].images.size(), 2U);
   EXPECT_THAT(notes_.str(), HasSubstr("b: 2 images, 1 markers found (from detections.csv)\n"));
   EXPECT_THAT(notes_.str(), HasSubstr("note: "));
+}
+
+TEST_F(CapturesIn, AFoldersNameIsPrintable) {
+  input_.paths = {make_capture("a\x1b]0;x\a\nb\u202e")};
+  input_.survey_not_asked = true;
+  folder_.write("a\x1b]0;x\a\nb\u202e/survey.toml", "");
+  ASSERT_TRUE(take_captures_in(input_, progress_, notes_));
+  EXPECT_THAT(notes_.str(), HasSubstr("a\\x1b]0;x\\x07\\nb\\u202e: 2 images"));
+  EXPECT_THAT(notes_.str(), HasSubstr("/survey.toml: used only"));
+  std::istringstream lines(notes_.str());
+  for (std::string line; std::getline(lines, line);) EXPECT_EQ(in_one_line(line), line);
 }
 
 TEST_F(CapturesIn, TakesThePapersLayout) {

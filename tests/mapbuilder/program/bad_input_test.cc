@@ -133,6 +133,28 @@ TEST(BadOutput, LinksThatLeadInCirclesAreSaid) {
   }
 }
 
+TEST(BadArguments, ReachNoTerminalAsTheyAre) {
+  const std::string rude = "x\x1b]0;title\a\r\n\u202e" + std::string(2000, 'y');
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{rude},
+                                             {"--" + rude},
+                                             {"build", "room", "-o", "x.map", "--" + rude},
+                                             {"build", "room", "-o", "x.map", "--loss", rude},
+                                             {"build", "room", "-o", "x.map", "--threads", rude}}) {
+    const auto run = run_mapbuilder(arguments);
+    EXPECT_EQ(run.exit_code, 64) << run.err;
+    EXPECT_LT(run.err.size(), 600U);
+    EXPECT_EQ(run.err.find_first_of("\x1b\a\r"), std::string::npos) << run.err;
+    EXPECT_EQ(run.err.find("\u202e"), std::string::npos) << run.err;
+  }
+  const test::TemporaryFolder folder;
+  test::write_capture(test::make_room({}), folder.path() / "room\x1b[2J");
+  const auto built = run_mapbuilder({"build", (folder.path() / "room\x1b[2J").string(), "-o",
+                                     (folder.path() / "a\x1b[2J.map").string()});
+  EXPECT_EQ(built.exit_code, 0) << built.err;
+  EXPECT_EQ((built.out + built.err).find('\x1b'), std::string::npos) << built.out << built.err;
+}
+
 TEST(BadOutput, IsSaidBeforeTheWork) {
   const test::TemporaryFolder folder;
   test::write_capture(test::make_room({}), folder.path() / "room");
