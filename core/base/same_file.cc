@@ -22,4 +22,13 @@ bool is_same_file(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, unknown) || place_of(a) == place_of(b);
 }
 
+bool is_within(const fs::path& path, const fs::path& folder) {
+  fs::path place = place_of(path);
+  while (place.has_relative_path()) {
+    place = place.parent_path();
+    if (is_same_file(place, folder)) return true;
+  }
+  return false;
+}
+
 }  // namespace waymark

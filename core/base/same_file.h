@@ -9,4 +9,9 @@ namespace waymark {
 /// paths as they are written decide.
 [[nodiscard]] bool is_same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
+/// Whether a file at `path` lies, or would lie, in `folder` or in a folder below it, links
+/// followed.
+[[nodiscard]] bool is_within(const std::filesystem::path& path,
+                             const std::filesystem::path& folder);
+
 }  // namespace waymark

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/base/text_field.h"
+#include "core/capture/capture_files.h"
 #include "core/capture/foreign_format.h"
 #include "core/capture/image_file.h"
 #include "core/capture/stamp_doubt.h"
@@ -19,12 +20,6 @@ namespace fs = std::filesystem;
 
 /// Spacing of images whose names are no stamps: far above any sync tolerance.
 constexpr Stamp kAssumedSpacing = std::chrono::seconds(1);
-
-/// "cam" and a number.
-bool is_camera_folder_name(std::string_view name) {
-  constexpr std::string_view kPrefix = "cam";
-  return name.starts_with(kPrefix) && parse_whole<unsigned>(name.substr(kPrefix.size()));
-}
 
 /// Of a folder that holds no image that is read.
 Status check_no_foreign_images(const CameraFolder& folder, const std::vector<fs::path>& entries) {

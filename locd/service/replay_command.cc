@@ -11,6 +11,8 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/notes.h"
+#include "core/base/output_check.h"
+#include "core/capture/capture_files.h"
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
 #include "core/marker/image_families.h"
@@ -182,6 +184,20 @@ Status check_rig(const CaptureFolder& folder) {
   return {};
 }
 
+/// Says before the work what could not be written after it.
+Status check_outputs(const ReplayCommandOptions& options) {
+  std::vector<std::filesystem::path> outputs;
+  for (const auto& output : {options.trajectory, options.table}) {
+    if (output) outputs.push_back(*output);
+  }
+  for (const std::filesystem::path& output : outputs) {
+    if (auto writable = check_writable(output); !writable) return writable;
+    if (auto spares = check_spares(output, {options.map}); !spares) return spares;
+    if (auto spares = check_spares_captures(output, {options.capture}); !spares) return spares;
+  }
+  return check_differ(outputs, "trajectory and table");
+}
+
 /// What the capture's images, where they are looked at, will never show of the map.
 Expected<std::optional<std::string>> check_families(const ReplayCommandOptions& options,
                                                     const CaptureFolder& folder,
@@ -194,6 +210,7 @@ Expected<std::optional<std::string>> check_families(const ReplayCommandOptions& 
 
 Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& stop,
                   std::ostream& out, std::ostream& notes) {
+  if (auto allowed = check_outputs(options); !allowed) return allowed;
   const auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
   ReplayOptions replay;

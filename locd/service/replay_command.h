@@ -26,7 +26,7 @@ struct ReplayCommandOptions {
 /// the lowest-numbered camera), its poses moved there by the velocity where it is known. `stop`
 /// ends it early, with what there is so far written.
 /// Errors: those of the capture, the map and the output; bad_data when the rig has too many
-/// cameras.
+/// cameras; usage when an output would replace what is read, or both are one file.
 [[nodiscard]] Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& stop,
                                 std::ostream& out, std::ostream& notes);
 

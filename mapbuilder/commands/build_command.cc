@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/base/atomic_file.h"
-#include "core/base/same_file.h"
+#include "core/base/output_check.h"
 #include "core/camera/kalibr.h"
 #include "core/map/map_check.h"
 #include "core/map/map_file.h"
@@ -16,7 +16,6 @@
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/build/trajectory_file.h"
 #include "mapbuilder/commands/build_summary.h"
-#include "mapbuilder/commands/output_check.h"
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/build_findings.h"
@@ -71,27 +70,9 @@ std::optional<fs::path> refined_rig_path(const BuildCommandOptions& options) {
   return options.refined_rig.value_or(fs::path(options.output).replace_extension(".yaml"));
 }
 
-/// What the build reads and must not replace; an earlier map alone may be (--frame-of hall.map -o
-/// hall.map).
-std::vector<fs::path> inputs_of(const BuildCommandOptions& options) {
-  std::vector<fs::path> inputs;
-  for (const auto& path : options.input.paths) {
-    inputs.push_back(path);
-    for (const char* file : {"rig.yaml", "markers.toml", "detections.csv", "capture.toml",
-                             "frames.csv", "survey.toml"}) {
-      inputs.push_back(path / file);
-    }
-  }
-  for (const auto& file :
-       {options.input.rig_yaml, options.input.markers_toml, options.survey, options.quarantine}) {
-    if (file) inputs.push_back(*file);
-  }
-  return inputs;
-}
-
-/// Says before the long work what could not be written after it.
+/// Says before the long work what could not be written after it. The map alone may take the place
+/// of the earlier one (--frame-of hall.map -o hall.map).
 Status check_outputs(const BuildCommandOptions& options) {
-  const std::vector<fs::path> inputs = inputs_of(options);
   std::vector<fs::path> outputs{options.output};
   if (options.trajectory) outputs.push_back(*options.trajectory);
   const auto refined_rig = refined_rig_path(options);
@@ -101,14 +82,14 @@ Status check_outputs(const BuildCommandOptions& options) {
     const char* remedy = refined_rig && outputs[i] == *refined_rig
                              ? "name another file for the refined rig with --refined-rig"
                              : "name another file";
-    if (auto spares = check_spares(outputs[i], inputs, remedy); !spares) return spares;
-    for (std::size_t j = 0; j < i; ++j) {
-      if (!is_same_file(outputs[i], outputs[j])) continue;
-      return fail(ErrorKind::usage,
-                  "{}: would be two of map, trajectory and refined rig (--refined-rig); name a "
-                  "file for each",
-                  outputs[i].string());
-    }
+    auto spares = check_spares_input(
+        outputs[i], options.input,
+        {options.survey, options.quarantine, i == 0 ? std::nullopt : options.frame_of}, remedy);
+    if (!spares) return spares;
+  }
+  if (auto differ = check_differ(outputs, "map, trajectory and refined rig (--refined-rig)");
+      !differ) {
+    return differ;
   }
   if (options.report) return check_report_folder(*options.report);
   return {};

@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "core/base/notes.h"
+#include "core/base/output_check.h"
+#include "core/capture/capture_files.h"
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/input_findings.h"
 #include "mapbuilder/import/open_capture.h"
@@ -64,6 +66,20 @@ Expected<TakenCaptures> take_videos_in(const CaptureInput& input, Progress& prog
 }
 
 }  // namespace
+
+Status check_spares_input(const std::filesystem::path& output, const CaptureInput& input,
+                          const std::vector<std::optional<std::filesystem::path>>& others,
+                          const char* remedy) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& file : {input.rig_yaml, input.markers_toml}) {
+    if (file) files.push_back(*file);
+  }
+  for (const auto& file : others) {
+    if (file) files.push_back(*file);
+  }
+  if (auto spares = check_spares(output, files, remedy); !spares) return spares;
+  return check_spares_captures(output, input.paths, remedy);
+}
 
 Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& progress,
                                          std::ostream& notes) {

@@ -32,6 +32,13 @@ struct TakenCaptures {
   std::vector<std::string> edges;  ///< what was measured of each camera's edges, a line each
 };
 
+/// Fails (usage) when `output` would take the place of what the captures or videos are read from,
+/// or of one of the `others`; `remedy` ends the line.
+[[nodiscard]] Status check_spares_input(
+    const std::filesystem::path& output, const CaptureInput& input,
+    const std::vector<std::optional<std::filesystem::path>>& others,
+    const char* remedy = "name another file");
+
 /// Opens captures or videos and makes or reads their detections; what the user should know goes to
 /// `notes`, a line each, at most 20 of a kind. Errors of open_capture, detect_capture and
 /// detect_videos; usage for a video without --rig and --markers, or

@@ -3,9 +3,10 @@
 #include <fmt/ostream.h>
 
 #include "core/base/atomic_file.h"
+#include "core/base/output_check.h"
+#include "core/capture/capture_files.h"
 #include "core/capture/detections_csv_text.h"
 #include "mapbuilder/commands/captures_in.h"
-#include "mapbuilder/commands/output_check.h"
 #include "mapbuilder/commands/print_line.h"
 
 namespace waymark {
@@ -15,11 +16,9 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   const auto output = options.output.value_or(options.capture / "detections.csv");
   if (std::error_code ignored; std::filesystem::exists(options.capture, ignored)) {
     if (auto writable = check_writable(output); !writable) return writable;
-    std::vector<std::filesystem::path> inputs;
-    for (const char* file : {"rig.yaml", "markers.toml", "capture.toml", "frames.csv"}) {
-      inputs.push_back(options.capture / file);
-    }
-    if (auto spares = check_spares(output, inputs); !spares) return spares;
+    auto spares = check_spares_captures(output, {options.capture}, "name another file",
+                                        CaptureDetections::replaced);
+    if (!spares) return spares;
   }
   DetectCaptureOptions detect;
   detect.redetect = true;

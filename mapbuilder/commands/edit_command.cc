@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
+#include "core/base/output_check.h"
 #include "core/map/map_edit.h"
 #include "core/map/map_file.h"
 #include "core/map/marker_search.h"
 #include "core/marker/marker_id_list.h"
-#include "mapbuilder/commands/output_check.h"
 #include "mapbuilder/commands/print_line.h"
 
 namespace waymark {

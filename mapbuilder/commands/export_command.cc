@@ -3,11 +3,11 @@
 #include <functional>
 
 #include "core/base/atomic_file.h"
+#include "core/base/output_check.h"
 #include "core/map/map_export.h"
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
 #include "mapbuilder/build/output_paths.h"
-#include "mapbuilder/commands/output_check.h"
 #include "mapbuilder/commands/print_line.h"
 
 namespace waymark {

@@ -1,8 +1,8 @@
 #include "mapbuilder/commands/import_command.h"
 
+#include "core/base/output_check.h"
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
-#include "mapbuilder/commands/output_check.h"
 #include "mapbuilder/commands/print_line.h"
 
 namespace waymark {

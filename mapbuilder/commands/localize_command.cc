@@ -5,10 +5,10 @@
 
 #include <algorithm>
 
+#include "core/base/output_check.h"
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/trajectory_file.h"
-#include "mapbuilder/commands/output_check.h"
 #include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/clock_findings.h"
 #include "mapbuilder/diagnosis/explained_build.h"
@@ -93,7 +93,11 @@ Expected<std::vector<Finding>> causes_of_misfit(const std::vector<DetectedCaptur
 Status run_localize(const LocalizeOptions& options, Progress& progress, std::ostream& out,
                     std::ostream& notes) {
   if (auto writable = check_writable(options.trajectory); !writable) return writable;
-  if (auto spares = check_spares(options.trajectory, {options.map}); !spares) return spares;
+  if (auto spares =
+          check_spares_input(options.trajectory, options.input, {options.map, options.quarantine});
+      !spares) {
+    return spares;
+  }
   if (auto fine = options.build.check(); !fine) return fine;
   auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());

@@ -6,11 +6,13 @@
 #include <cmath>
 
 #include "core/base/atomic_file.h"
+#include "core/base/is_there.h"
+#include "core/base/output_check.h"
 #include "core/base/range.h"
+#include "core/base/same_file.h"
 #include "core/camera/kalibr.h"
 #include "core/marker/id_range.h"
 #include "core/marker/marker_catalog.h"
-#include "mapbuilder/commands/output_check.h"
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/print/pdf_file.h"
 #include "mapbuilder/print/print_advice.h"
@@ -132,12 +134,11 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
   if (!catalog) return tl::make_unexpected(catalog.error());
   if (auto writable = check_writable(options.output); !writable) return writable;
   const auto markers_toml = options.output.parent_path() / "markers.toml";
-  if (options.output.filename() == markers_toml.filename()) {
+  if (is_same_file(options.output, markers_toml)) {
     return fail(ErrorKind::usage, "-o {}: name a PDF; markers.toml is written beside it",
                 options.output.string());
   }
-  std::error_code ignored;
-  const bool there = std::filesystem::exists(markers_toml, ignored);
+  const bool there = is_there(markers_toml);
   if (there) {
     const auto stated = read_marker_catalog(markers_toml);
     if (!stated) return tl::make_unexpected(stated.error());
@@ -146,7 +147,7 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
   const std::vector<Sheet> sheets = lay_out(*batches, *paper);
   const auto pdf = pdf_of(sheets);
   if (!pdf) return tl::make_unexpected(pdf.error());
-  if (auto written = write_file_atomically(options.output, *pdf); !written) return written;
+  // Sizes without their sheets can be taken back, sheets without sizes are lost on a full disk.
   if (!there) {
     const std::string text =
         "# Sizes are the black squares' outer edges (m) as printed. Where the ruler of a sheet is "
@@ -156,6 +157,11 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
         "print_scale = 0.985.\n" +
         format_marker_catalog(*catalog);
     if (auto written = write_file_atomically(markers_toml, text); !written) return written;
+  }
+  if (auto written = write_file_atomically(options.output, *pdf); !written) {
+    std::error_code ignored;
+    if (!there) std::filesystem::remove(markers_toml, ignored);
+    return written;
   }
   std::size_t markers = 0;
   for (const MarkerBatch& batch : *batches) markers += batch.numbers.size();

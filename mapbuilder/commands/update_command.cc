@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/base/output_check.h"
 #include "core/map/map_check.h"
 #include "core/map/map_file.h"
 #include "core/map/marker_search.h"
 #include "core/map/quarantine.h"
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/build/world_frame.h"
-#include "mapbuilder/commands/output_check.h"
+#include "mapbuilder/commands/captures_in.h"
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/calibration_findings.h"
@@ -36,14 +37,10 @@ void append(std::vector<Finding> more, std::vector<Finding>& findings) {
 
 Status check_outputs(const UpdateCommandOptions& options) {
   if (auto writable = check_writable(options.output); !writable) return writable;
-  std::vector<fs::path> inputs = options.input.paths;
-  if (options.quarantine) inputs.push_back(*options.quarantine);
-  for (const auto& path : options.input.paths) {
-    for (const char* file : {"rig.yaml", "markers.toml", "detections.csv", "capture.toml"}) {
-      inputs.push_back(path / file);
-    }
+  if (auto spares = check_spares_input(options.output, options.input, {options.quarantine});
+      !spares) {
+    return spares;
   }
-  if (auto spares = check_spares(options.output, inputs); !spares) return spares;
   if (options.report) return check_report_folder(*options.report);
   return {};
 }

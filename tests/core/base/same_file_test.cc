@@ -40,5 +40,23 @@ TEST(SameFile, LinksInCirclesThrowNothing) {
   EXPECT_FALSE(is_same_file(folder.path() / "loop" / "a", folder.path() / "loop" / "b"));
 }
 
+TEST(IsWithin, FollowsLinksAndTakesWhatIsNotThereYet) {
+  const test::TemporaryFolder folder;
+  folder.write("sub/deep/a", "x");
+  std::filesystem::create_directory_symlink("sub", folder.path() / "way");
+  const auto within = [&](const char* path, const char* in) {
+    return is_within(folder.path() / path, folder.path() / in);
+  };
+  for (const char* path : {"sub/a", "sub/deep/a", "sub/deep/new", "way/new"}) {
+    EXPECT_TRUE(within(path, "sub")) << path;
+    EXPECT_TRUE(within(path, "way")) << path;
+  }
+  for (const char* path : {"sub", "way", "a", "subway/a", "sub/../a"}) {
+    EXPECT_FALSE(within(path, "sub")) << path;
+  }
+  EXPECT_FALSE(within("a", "absent"));
+  EXPECT_FALSE(is_within("/", "/nowhere"));
+}
+
 }  // namespace
 }  // namespace waymark

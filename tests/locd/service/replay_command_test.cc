@@ -107,6 +107,38 @@ TEST_F(ReplayCommand, SaysWhatIsWrong) {
   EXPECT_EQ(folder_.read("a.tum"), "");
 }
 
+TEST_F(ReplayCommand, ReplacesNothingThatItReadsAndWritesNoTwoToOneFile) {
+  folder_.write("cam0/1700000000000000000.jpg", "as it was");
+  folder_.write("groundtruth/rig.tum", "as it was");
+  folder_.write("sfm.toml", "as it was");
+  std::filesystem::create_symlink("room.map", folder_.path() / "link");
+  for (const char* name :
+       {"room.map", "./room.map", "link", "rig.yaml", "markers.toml", "detections.csv",
+        "cam0/1700000000000000000.jpg", "groundtruth/rig.tum", "sfm.toml", "once.csv"}) {
+    const std::string before = folder_.read(name);
+    ReplayCommandOptions options;
+    options.capture = folder_.path();
+    options.map = folder_.path() / "room.map";
+    options.trajectory = folder_.path() / name;
+    options.table = folder_.path() / "once.csv";
+    for (int i = 0; i < 2; ++i) {
+      const auto status = run_replay(options, stop_, out_, notes_);
+      ASSERT_FALSE(status) << name;
+      EXPECT_EQ(status.error().kind, ErrorKind::usage) << status.error().message;
+      EXPECT_EQ(folder_.read(name), before) << name;
+      std::swap(options.trajectory, options.table);
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "once.csv"));
+}
+
+TEST_F(ReplayCommand, WhatCannotBeWrittenIsSaidBeforeTheWork) {
+  const auto status = run("absent/a.tum");
+  ASSERT_FALSE(status);
+  EXPECT_EQ(status.error().kind, ErrorKind::cant_create);
+  EXPECT_EQ(out_.str(), "");
+}
+
 /// Images alone: the detections are taken away.
 TEST_F(ReplayCommand, ImagesThatCanNotBeUsedAreSaid) {
   std::filesystem::remove(folder_.path() / "detections.csv");

@@ -190,6 +190,41 @@ TEST_F(PrintedMarkers, ThePdfIsNotMarkersToml) {
   EXPECT_EQ(printed.error().kind, ErrorKind::usage);
 }
 
+/// One file under two names.
+TEST_F(PrintedMarkers, ThePdfIsNoOtherNameOfMarkersToml) {
+  const PrintOptions options{{"tag36h11"}, {"0"}, {0.1}, "a4", {}};
+  std::filesystem::create_symlink("markers.toml", folder_.path() / "markers.pdf");
+  for (const char* before : {"[markers]\nfamily = \"tag36h11\"\nsize_m = 0.1\n"}) {
+    folder_.write("markers.toml", before);
+    const auto printed = print(options);
+    ASSERT_FALSE(printed);
+    EXPECT_EQ(printed.error().kind, ErrorKind::usage);
+    EXPECT_EQ(folder_.read("markers.toml"), before);
+  }
+  std::filesystem::remove(folder_.path() / "markers.pdf");
+  std::filesystem::create_hard_link(folder_.path() / "markers.toml",
+                                    folder_.path() / "markers.pdf");
+  EXPECT_FALSE(print(options));
+}
+
+TEST_F(PrintedMarkers, AMarkersTomlThatLeadsNowhereOrInCirclesIsNoPlaceToWriteTo) {
+  for (const char* target : {"elsewhere.toml", "markers.toml"}) {
+    std::filesystem::remove(folder_.path() / "markers.toml");
+    std::filesystem::create_symlink(target, folder_.path() / "markers.toml");
+    EXPECT_FALSE(print({{"tag36h11"}, {"0"}, {0.1}, "a4", {}})) << target;
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "elsewhere.toml"));
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "markers.pdf")) << target;
+  }
+}
+
+TEST_F(PrintedMarkers, NoSizesAreLeftWithoutTheirSheets) {
+  std::filesystem::create_symlink("markers.pdf", folder_.path() / "markers.pdf");
+  const auto printed = print({{"tag36h11"}, {"0"}, {0.1}, "a4", {}});
+  ASSERT_FALSE(printed);
+  EXPECT_EQ(printed.error().kind, ErrorKind::cant_create);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path() / "markers.toml"));
+}
+
 TEST_F(PrintedMarkers, AFolderThatIsNotThereIsSaid) {
   const auto printed =
       run_print({{"tag36h11"}, {"0"}, {0.1}, "a4", folder_.path() / "absent/markers.pdf"}, out_);

@@ -1,4 +1,4 @@
-#include "mapbuilder/commands/output_check.h"
+#include "core/base/output_check.h"
 
 #include <unistd.h>
 
@@ -38,6 +38,17 @@ Status check_spares(const fs::path& output, const std::vector<fs::path>& inputs,
     if (!is_same_file(output, input)) continue;
     return fail(ErrorKind::usage, "{}: would take the place of what is read from it; {}",
                 output.string(), remedy);
+  }
+  return {};
+}
+
+Status check_differ(const std::vector<fs::path>& outputs, const char* kinds) {
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!is_same_file(outputs[i], outputs[j])) continue;
+      return fail(ErrorKind::usage, "{}: would be two of {}; name a file for each",
+                  outputs[i].string(), kinds);
+    }
   }
   return {};
 }

@@ -1,4 +1,4 @@
-#include "mapbuilder/commands/output_check.h"
+#include "core/base/output_check.h"
 
 #include <gtest/gtest.h>
 
@@ -29,6 +29,21 @@ TEST(OutputCheck, AnInputIsSparedByAnyOfItsNames) {
     EXPECT_NE(spares.error().message.find("name another"), std::string::npos);
   }
   EXPECT_TRUE(check_spares(folder.path() / "b.map", {file}));
+}
+
+TEST(OutputCheck, NoTwoOutputsAreOneFile) {
+  const test::TemporaryFolder folder;
+  folder.write("a.map", "x");
+  std::filesystem::create_symlink("a.map", folder.path() / "link");
+  const auto path = [&](const char* name) { return folder.path() / name; };
+  for (const char* name : {"a.map", "./a.map", "link"}) {
+    const auto differ = check_differ({path("a.map"), path("b.tum"), path(name)}, "map and so on");
+    ASSERT_FALSE(differ) << name;
+    EXPECT_EQ(differ.error().kind, ErrorKind::usage);
+    EXPECT_NE(differ.error().message.find("map and so on"), std::string::npos);
+  }
+  EXPECT_TRUE(check_differ({path("a.map"), path("b.tum"), path("c.yaml")}, ""));
+  EXPECT_TRUE(check_differ({}, ""));
 }
 
 }  // namespace
