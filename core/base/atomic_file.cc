@@ -12,6 +12,7 @@
 
 #include "core/base/descriptor.h"
 #include "core/base/input_file.h"
+#include "core/base/same_file.h"
 #include "core/base/system_call.h"
 
 namespace waymark {
@@ -23,22 +24,6 @@ struct TemporaryFile {
   fs::path path;
   Descriptor file;  ///< invalid, with errno, when it can't be created
 };
-
-/// Where a path leads: a link stays a link, the file behind it is what is written, be it there or
-/// not. Errors: cant_create for links that lead in circles.
-Expected<fs::path> behind_links(const fs::path& named) {
-  constexpr int kMostLinks = 40;  // Linux's own limit
-  fs::path path = named;
-  for (int links = 0; links <= kMostLinks; ++links) {
-    std::error_code why;
-    if (!fs::is_symlink(path, why)) return path;
-    const fs::path target = fs::read_symlink(path, why);
-    if (why) return path;  // writing says so
-    path = target.is_absolute() ? target : path.parent_path() / target;
-  }
-  return fail(ErrorKind::cant_create, "{}: can't write: links that lead in circles; name a file",
-              named.string());
-}
 
 /// Beside `path`, hidden. Not mkstemp, whose files are their owner's alone: the process's mask,
 /// which can only be read by changing it for every thread, is applied by open itself.
@@ -61,7 +46,10 @@ TemporaryFile create_beside(const fs::path& path, mode_t mode) {
 
 Status write_file_atomically(const fs::path& named, std::string_view content) {
   const auto behind = behind_links(named);
-  if (!behind) return tl::make_unexpected(behind.error());
+  if (!behind) {
+    return fail(ErrorKind::cant_create, "{}: can't write: links that lead in circles; name a file",
+                named.string());
+  }
   const fs::path& path = *behind;
   std::error_code ignored;
   const fs::file_status status = fs::status(path, ignored);

@@ -1,8 +1,13 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 namespace waymark {
+
+/// Where a path leads when it is written to: behind its links, be the file there or not; nullopt
+/// for links that lead in circles. A link that can't be read stands for itself.
+[[nodiscard]] std::optional<std::filesystem::path> behind_links(const std::filesystem::path& named);
 
 /// Whether writing to one path would take the other's place: one file under two names, or, where
 /// there is none yet, one place. Where links lead in circles or a folder can't be looked into, the

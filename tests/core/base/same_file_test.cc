@@ -44,10 +44,11 @@ TEST(IsWithin, FollowsLinksAndTakesWhatIsNotThereYet) {
   const test::TemporaryFolder folder;
   folder.write("sub/deep/a", "x");
   std::filesystem::create_directory_symlink("sub", folder.path() / "way");
+  std::filesystem::create_symlink("sub/new", folder.path() / "dangling");
   const auto within = [&](const char* path, const char* in) {
     return is_within(folder.path() / path, folder.path() / in);
   };
-  for (const char* path : {"sub/a", "sub/deep/a", "sub/deep/new", "way/new"}) {
+  for (const char* path : {"sub/a", "sub/deep/a", "sub/deep/new", "way/new", "dangling"}) {
     EXPECT_TRUE(within(path, "sub")) << path;
     EXPECT_TRUE(within(path, "way")) << path;
   }

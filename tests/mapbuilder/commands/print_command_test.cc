@@ -190,12 +190,12 @@ TEST_F(PrintedMarkers, ThePdfIsNotMarkersToml) {
   EXPECT_EQ(printed.error().kind, ErrorKind::usage);
 }
 
-/// One file under two names.
+/// One file under two names, be it there or not.
 TEST_F(PrintedMarkers, ThePdfIsNoOtherNameOfMarkersToml) {
   const PrintOptions options{{"tag36h11"}, {"0"}, {0.1}, "a4", {}};
   std::filesystem::create_symlink("markers.toml", folder_.path() / "markers.pdf");
-  for (const char* before : {"[markers]\nfamily = \"tag36h11\"\nsize_m = 0.1\n"}) {
-    folder_.write("markers.toml", before);
+  for (const char* before : {"", "[markers]\nfamily = \"tag36h11\"\nsize_m = 0.1\n"}) {
+    if (*before != '\0') folder_.write("markers.toml", before);
     const auto printed = print(options);
     ASSERT_FALSE(printed);
     EXPECT_EQ(printed.error().kind, ErrorKind::usage);
