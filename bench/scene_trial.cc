@@ -1,12 +1,11 @@
 #include "bench/scene_trial.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <map>
 
+#include "bench/processor_time.h"
 #include "core/base/progress.h"
 #include "core/capture/capture_folder.h"
 #include "core/geometry/tum.h"
@@ -21,26 +20,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double cpu_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
 /// Measures from its construction on.
 class Stopwatch {
  public:
   [[nodiscard]] StageTime elapsed() const {
     const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_;
-    return {wall.count(), cpu_s() - cpu_};
+    return {wall.count(), processor_s() - cpu_};
   }
 
  private:
   std::chrono::steady_clock::time_point wall_ = std::chrono::steady_clock::now();
-  double cpu_ = cpu_s();
+  double cpu_ = processor_s();
 };
 
 /// The first sub-map's trajectory as an evaluation takes it.

@@ -1,5 +1,3 @@
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -8,6 +6,7 @@
 #include <sstream>
 
 #include "bench/cause_variants/variant.h"
+#include "bench/processor_time.h"
 #include "core/base/check.h"
 #include "core/camera/kalibr.h"
 #include "core/capture/detections_csv_text.h"
@@ -19,15 +18,6 @@ namespace waymark::bench {
 namespace {
 
 namespace fs = std::filesystem;
-
-double cpu_s() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) {
-    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
 
 void write_text(const fs::path& path, std::string text,
                 const std::function<void(std::string&)>& change = {}) {
@@ -165,11 +155,11 @@ Said run_variant(const Variant& variant, const fs::path& folder) {
   auto captures = write_captures(variant, folder);
   Said said;
   std::ostringstream notes;
-  const double started_s = cpu_s();
+  const double started_s = processor_s();
   const Status status = variant.hand_map_json.empty()
                             ? build(variant, folder, std::move(captures), notes)
                             : localize(variant, folder, std::move(captures), notes);
-  said.cpu_s = cpu_s() - started_s;
+  said.cpu_s = processor_s() - started_s;
   if (!status) {
     said.exit_code = status.error().exit_code();
     notes << line_of(status.error(), "mapbuilder") << '\n';

@@ -145,25 +145,22 @@ class CaptureExplainer {
   }
 
   /// A lens that is far from the stated one is not found among sound ones, in whose noise its own
-  /// misfit is lost: what it has come to so far is examined by its camera's images alone.
+  /// misfit is lost: its camera's images alone refine what it has come to so far.
   void improve_lens(const DetectedCapture& capture, std::size_t camera, CameraLens& lens) const {
-    constexpr int kMostRounds = 3;
-    constexpr double kWorthMore = 0.95;
+    if (!lens.misfits()) return;
+    auto model = CameraModel::create(lens.parameters);
+    if (!model) return;
     DetectedCapture alone = capture;
     std::erase_if(alone.images, [&](const ImageDetections& image) {
       return image.camera != static_cast<int>(camera);
     });
-    for (int round = 0; round < kMostRounds && lens.misfits() && is_poor(lens.fitted); ++round) {
-      auto model = CameraModel::create(lens.parameters);
-      if (!model) return;
-      alone.rig.cameras[camera].model = *std::move(model);
-      const auto mono = build_mono(telling_images({alone}), options_);
-      if (!mono) return;
-      const auto better = lens_evidence(alone, 0, *mono, options_)[camera];
-      if (!better || better->fitted.joint_px > kWorthMore * lens.fitted.joint_px) return;
-      lens.fitted = better->fitted;
-      lens.parameters = better->parameters;
-    }
+    alone.rig.cameras[camera].model = *std::move(model);
+    const auto mono = build_mono(telling_images({alone}), options_, MonoLenses::refined);
+    if (!mono) return;
+    const auto refined = lens_evidence(alone, 0, *mono, options_)[camera];
+    if (!refined || refined->fitted.joint_px > lens.fitted.joint_px) return;
+    lens.fitted = refined->fitted;
+    lens.parameters = refined->parameters;
   }
 
   /// Holds where the cameras of each capture stood against its rig.

@@ -12,6 +12,9 @@ namespace {
 /// What a calibration that is right may leave: a share of the focal length, and px.
 constexpr double kSameFocal = 0.02;
 constexpr double kSame_px = 2.0;
+/// How near two principal points are one where a cause is told by it, as a share of the width:
+/// where markers fill little of the image, it trades against their poses.
+constexpr double kSamePoint = 0.02;
 
 constexpr const char* kCalibrate = "Calibrate the camera anew, or build with --refine intrinsics.";
 
@@ -115,7 +118,9 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
                                  stated.height_px - 1 - 2 * stated.pv_px);
     e.unit = "px";
     e.value = shift.norm();
-    if ((shift - turned).norm() < std::max(kSame_px, 0.35 * turned.norm())) {
+    const double alike_px =
+        std::clamp(0.35 * turned.norm(), kSame_px, kSamePoint * stated.width_px);
+    if ((shift - turned).norm() < alike_px) {
       e.cause = Cause::images_turned;
       e.detail = fmt::format(
           "its principal point fits at ({:.1f}, {:.1f}), which is the stated one turned by 180°: "
@@ -124,7 +129,7 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
       e.remedy = "Switch the turning off in the driver, or calibrate with it.";
       return e;
     }
-    if (shift.norm() > 0.02 * stated.width_px) {
+    if (shift.norm() > kSamePoint * stated.width_px) {
       e.cause = Cause::crop;
       e.detail = fmt::format(
           "its principal point fits at ({:.1f}, {:.1f}), ({:+.1f}, {:+.1f}) px from the stated "

@@ -86,12 +86,18 @@ std::optional<RigIndex> MonoBuild::rig_of(std::size_t capture, std::size_t camer
 }
 
 std::optional<MonoBuild> build_mono(const std::vector<DetectedCapture>& captures,
-                                    const BuildOptions& options) {
+                                    const BuildOptions& options, MonoLenses lenses) {
   auto observations = make_observations(captures, {true, options.threads});
   if (!observations) return std::nullopt;
   BuildOptions mono = options;
   mono.refine = {};
   mono.survey = {};
+  if (lenses == MonoLenses::refined) {
+    // What is looked for is which numbers are wrong, not a calibration to drive by.
+    mono.refine.intrinsics = true;
+    mono.refinement_limits.focal = 0.01;
+    mono.refinement_limits.rotation_rad = 0.0087;  // 0.5°
+  }
   Progress silent(false);
   MonoBuild build{*std::move(observations), {}};
   build.result = build_map(Selection(build.observations), mono, silent);

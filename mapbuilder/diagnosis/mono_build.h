@@ -17,9 +17,13 @@ struct MonoBuild {
   [[nodiscard]] std::optional<RigIndex> rig_of(std::size_t capture, std::size_t camera) const;
 };
 
-/// With the lenses as stated. nullopt where the captures make no observations, or no map.
+/// Whether a mono build keeps the lenses that captures state, or refines them to convergence.
+enum class MonoLenses : char { kept, refined };
+
+/// nullopt where the captures make no observations, or no map.
 [[nodiscard]] std::optional<MonoBuild> build_mono(const std::vector<DetectedCapture>& captures,
-                                                  const BuildOptions& options);
+                                                  const BuildOptions& options,
+                                                  MonoLenses lenses = MonoLenses::kept);
 
 /// Images that tell as much as all: 60 of each camera, evenly spread, and those in which two
 /// markers are seen together that have been so in fewer than three of them.

@@ -1,50 +1,30 @@
 // Once a stream runs, its frames take no memory but what was taken at its start.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
 #include <memory>
-#include <new>
 
 #include "drivers/frame_maker.h"
-
-namespace {
-std::atomic<int> allocations{0};
-}
-
-#if defined(__GNUC__) && !defined(__clang__)
-// Where GCC inlines only one of the pair it sees new's block given to free.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-#endif
-// NOLINTBEGIN(cppcoreguidelines-no-malloc): what the standard's own do, counted
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const block = std::malloc(size)) return block;
-  throw std::bad_alloc();
-}
-void operator delete(void* block) noexcept { std::free(block); }
-void operator delete(void* block, std::size_t /*size*/) noexcept { std::free(block); }
-// NOLINTEND(cppcoreguidelines-no-malloc)
+#include "tests/support/allocation_count.h"
 
 namespace waymark {
 namespace {
 
 /// Allocations of a hundred frames, two of which are lent at a time.
-int allocations_of_frames(std::string_view format) {
+long allocations_of_frames(std::string_view format) {
   const FrameLayout layout{find_pixel_format(format), 64, 48, 128};
   const auto memory = std::make_shared<std::vector<std::uint8_t>>(128 * 48);
   FrameMaker frames;
   frames.begin(layout, memory, FrameMaker::kBuffers);
   std::optional<Frame> held;
   int buffers_given_back = 0;
-  const int before = allocations;
+  const long before = testing::allocations();
   for (std::uint32_t i = 0; i < 100; ++i) {
     FrameMaker::Made made = frames.make(i % FrameMaker::kBuffers, *memory, {});
     held = std::move(made.frame);
     buffers_given_back += made.buffer_is_free ? 1 : 0;
     while (frames.take_returned()) ++buffers_given_back;
   }
-  const int during = allocations - before;
+  const long during = testing::allocations() - before;
   EXPECT_EQ(frames.lost(), 0U);
   EXPECT_GE(buffers_given_back, 99);
   return during;
@@ -57,9 +37,9 @@ TEST(FrameAllocation, FramesInTheDriversOwnMemoryTakeNone) {
 TEST(FrameAllocation, ConvertedFramesTakeNone) { EXPECT_EQ(allocations_of_frames("Y16"), 0); }
 
 TEST(FrameAllocation, IsCountedHere) {
-  const int before = allocations;
+  const long before = testing::allocations();
   const auto taken = std::make_unique<int>(1);
-  EXPECT_EQ(allocations, before + *taken);
+  EXPECT_EQ(testing::allocations(), before + *taken);
 }
 
 }  // namespace

@@ -2,30 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <random>
 
+#include "tests/support/allocation_count.h"
 #include "tests/support/corner_trials.h"
-
-namespace {
-std::atomic<long> allocations = 0;
-}  // namespace
-
-#if defined(__GNUC__) && !defined(__clang__)
-// Where GCC inlines only one of the pair it sees new's block given to free.
-#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
-#endif
-// NOLINTBEGIN(cppcoreguidelines-no-malloc): what the standard's own do, counted
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const block = std::malloc(size)) return block;
-  throw std::bad_alloc();
-}
-void operator delete(void* block) noexcept { std::free(block); }
-void operator delete(void* block, std::size_t /*size*/) noexcept { std::free(block); }
-// NOLINTEND(cppcoreguidelines-no-malloc)
 
 namespace waymark {
 namespace {
@@ -80,10 +60,10 @@ TEST_F(Markers, AreFoundTheSameAgainWithoutAnyAllocation) {
   const GrayImage noisy = image(14);
   const std::vector<Detection> first = detector_.detect(quiet.view());
   (void)detector_.detect(noisy.view());
-  const long before = allocations;
+  const long before = testing::allocations();
   (void)detector_.detect(noisy.view());
   const std::vector<Detection>& again = detector_.detect(quiet.view());
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(testing::allocations() - before, 0);
   ASSERT_EQ(again.size(), first.size());
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_EQ(again[i].corners, first[i].corners);
 }

@@ -104,6 +104,18 @@ TEST(LensCauses, ACropMovesThePrincipalPointElsewhere) {
   EXPECT_EQ(why->cause, Cause::crop);
 }
 
+TEST(LensCauses, ACropNearWhereATurnWouldPutThePrincipalPointIsACrop) {
+  CameraParameters stated = webcam();
+  stated.pu_px = (stated.width_px - 1) / 2.0 - 10;  // turned: 20 px on
+  stated.pv_px = (stated.height_px - 1) / 2.0;
+  CameraParameters fitted = stated;
+  fitted.pu_px += 30;
+  fitted.pv_px += 28;
+  const auto why = explain_lens(stated, fitted);
+  ASSERT_TRUE(why);
+  EXPECT_EQ(why->cause, Cause::crop);
+}
+
 TEST(LensCauses, RectifiedImagesBendNoMore) {
   CameraParameters fitted = webcam();
   fitted.coefficients = {-0.004, 0.001, 0, 0};
