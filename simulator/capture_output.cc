@@ -8,6 +8,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/camera/kalibr.h"
+#include "core/camera/rig_parameters.h"
 #include "core/geometry/tum.h"
 
 namespace waymark::simulator {
@@ -105,14 +106,14 @@ CaptureOutput::~CaptureOutput() {
 Status CaptureOutput::write_description(const Scene& scene, const SimulatedRig& rig,
                                         const CapturePlan& plan, double exposure_s,
                                         const std::string& session) const {
-  Rig told = rig.rig;
+  Rig told = stated_exact(rig.rig);
   if (rig.mono) told.has_extrinsics = false;
   if (auto status = create_folder(folder_ / "groundtruth"); !status) return status;
   const std::string capture_toml = fmt::format(
       "clock = \"realtime\"\nsession = \"{}\"\nsoftware = \"waymark simulator\"\n", session);
   std::vector<std::pair<std::string, std::string>> files = {
       {"rig.yaml", format_camchain(told)},
-      {"markers.toml", format_marker_catalog(scene.catalog)},
+      {"markers.toml", format_marker_catalog(scene.catalog.with_exact_sizes())},
       {"capture.toml", capture_toml},
       {"frames.csv", frames_csv(rig, plan, exposure_s)},
       {"groundtruth/rig.tum", format_tum(rig_truth(plan))},

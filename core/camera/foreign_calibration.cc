@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/camera/camera_sigmas.h"
+
 namespace waymark {
 namespace {
 
@@ -143,6 +145,7 @@ Expected<std::optional<YAML::Node>> camchain_of_foreign(const YAML::Node& root,
   camera["distortion_coeffs"] = lens->coefficients;
   camera["resolution"].push_back(width);
   camera["resolution"].push_back(height);
+  camera["sigma_source"] = std::string(to_string(SigmaSource::opencv));
   YAML::Node chain;
   chain["cam0"] = camera;
   return chain;

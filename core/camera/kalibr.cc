@@ -13,6 +13,7 @@
 #include "core/camera/foreign_calibration.h"
 #include "core/camera/image_sizes.h"
 #include "core/camera/kalibr_camera.h"
+#include "core/camera/kalibr_sigmas.h"
 
 namespace waymark {
 namespace {
@@ -139,6 +140,9 @@ Expected<LoadedRig> load(const YAML::Node& given, const std::string& name) {
     loaded.rig.has_extrinsics = *chained;
   }
   for (KalibrCamera& entry : entries) loaded.rig.cameras.push_back(std::move(entry.camera));
+  if (auto taken = take_joint_sigmas(entries.front().sigma_joint, name, loaded.rig); !taken) {
+    return tl::make_unexpected(taken.error());
+  }
   if (auto sized = check_image_sizes(loaded.rig, name); !sized) {
     return tl::make_unexpected(sized.error());
   }

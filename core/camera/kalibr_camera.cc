@@ -8,6 +8,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/camera/kalibr_sigmas.h"
 #include "core/geometry/decompositions.h"
 
 namespace waymark {
@@ -55,6 +56,9 @@ class CameraReader {
     if (const auto status = read_extras(entry.camera); !status) {
       return tl::make_unexpected(status.error());
     }
+    auto sigma_joint = read_kalibr_sigmas(node_, file_, entry.camera);
+    if (!sigma_joint) return tl::make_unexpected(sigma_joint.error());
+    entry.sigma_joint = *std::move(sigma_joint);
     return entry;
   }
 
@@ -76,7 +80,8 @@ class CameraReader {
     static const std::set<std::string> kKnown{
         "camera_model", "intrinsics", "distortion_model", "distortion_coeffs", "resolution",
         "T_cn_cnm1",    "T_cam_imu",  "rostopic",         "timeshift_cam_imu", "cam_overlaps",
-        "serial",       "lens_id",    "readout_us",       "global_shutter"};
+        "serial",       "lens_id",    "readout_us",       "global_shutter",    "sigma",
+        "sigma_source", "sigma_joint"};
     std::set<std::string> seen;
     for (const auto& item : node_) {
       const auto key = item.first.as<std::string>();

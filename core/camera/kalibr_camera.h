@@ -19,6 +19,7 @@ struct KalibrCamera {
   RigCamera camera;
   std::optional<Rigid3> cam_from_previous;  ///< T_cn_cnm1
   std::optional<Rigid3> cam_from_body;      ///< T_cam_imu
+  std::vector<double> sigma_joint{};        ///< as written; empty where it is not
 };
 
 /// Reads the keys under `camera` (cam0, cam1, …) of the camchain `file`; what the user should know

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/camera/kalibr.h"
+#include "core/camera/kalibr_sigmas.h"
 
 namespace waymark {
 namespace {
@@ -58,7 +59,7 @@ std::string format_camchain(const Rig& rig) {
   std::string text;
   for (std::size_t i = 0; i < rig.cameras.size(); ++i) {
     const RigCamera& camera = rig.cameras[i];
-    text += format_camera(camera);
+    text += format_camera(camera) + format_kalibr_sigmas(rig, i);
     if (!rig.has_extrinsics) continue;
     const Rigid3 cam_from_rig = camera.rig_from_cam.inverse();
     if (!rig_is_cam0) text += "  T_cam_imu:\n" + format_rows(cam_from_rig);

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/range.h"
 #include "core/camera/camera_model.h"
+#include "core/camera/camera_sigmas.h"
 #include "core/geometry/rigid3.h"
 
 namespace waymark {
@@ -20,6 +22,8 @@ struct RigCamera {
   std::optional<double> readout_us;  ///< rolling-shutter read-out time of the whole image, µs
   std::optional<bool> global_shutter;
   std::optional<double> timeshift_cam_imu_s;  ///< printed, never used
+  StatedSigmas stated_sigmas{};               ///< what the rig file says of its own errors
+  std::optional<SigmaSource> sigma_source{};  ///< nullopt: Kalibr's
 
   static constexpr Range kReadout_us{0, 1e6};
 };
@@ -28,6 +32,8 @@ struct RigCamera {
 struct Rig {
   std::vector<RigCamera> cameras;
   bool has_extrinsics = true;  ///< false: several cameras, no transforms; good for mono use only
+  /// Covariance of rig_parameters (rig_parameters.h, whose units), of a refined rig file.
+  std::optional<Eigen::MatrixXd> joint_sigmas{};
 };
 
 }  // namespace waymark

@@ -62,8 +62,8 @@ class CatalogReader {
   using FamilyEntry = MarkerCatalog::FamilyEntry;
 
   Expected<FamilyEntry> read_block(const toml::table& block) const {
-    if (const auto status =
-            check_toml_keys(block, {"family", "print_scale", "size_m", "ignore", "sizes"}, name_);
+    if (const auto status = check_toml_keys(
+            block, {"family", "print_scale", "size_m", "size_sigma_m", "ignore", "sizes"}, name_);
         !status) {
       return tl::make_unexpected(status.error());
     }
@@ -76,6 +76,9 @@ class CatalogReader {
       if (!size_m) return tl::make_unexpected(size_m.error());
       entry.default_size_m = *size_m;
     }
+    const auto sigma = read_size_sigma(block, entry.default_size_m);
+    if (!sigma) return tl::make_unexpected(sigma.error());
+    entry.default_size_sigma_m = *sigma;
     if (const toml::node* ignore = block.get("ignore")) {
       const auto ranges = read_ids(*ignore, entry.family);
       if (!ranges) return tl::make_unexpected(ranges.error());
@@ -137,6 +140,25 @@ class CatalogReader {
     return *size_m;
   }
 
+  /// How sure the size beside it is, where that is stated.
+  Expected<std::optional<double>> read_size_sigma(const toml::table& block,
+                                                  std::optional<double> size_m) const {
+    const toml::node* const node = block.get("size_sigma_m");
+    if (node == nullptr) return std::nullopt;
+    if (!size_m) {
+      return fail(ErrorKind::bad_data, "{}: size_sigma_m without a size_m beside it",
+                  toml_place(name_, *node));
+    }
+    const auto sigma_m = node->is_number() ? node->value<double>() : std::nullopt;
+    if (!sigma_m || !(*sigma_m > 0 && *sigma_m < *size_m)) {
+      return fail(ErrorKind::bad_data,
+                  "{}: size_sigma_m must be a number above 0 and below size_m, one standard "
+                  "deviation in metres",
+                  toml_place(name_, *node));
+    }
+    return sigma_m;
+  }
+
   /// What the ruler of a printed sheet measures, by what it should.
   Expected<double> read_print_scale(const toml::node& node) const {
     constexpr double kLeast = 0.5;
@@ -158,7 +180,7 @@ class CatalogReader {
     }
     for (const toml::node& node : *sizes.as_array()) {
       const toml::table& block = *node.as_table();
-      if (auto status = check_toml_keys(block, {"ids", "size_m"}, name_); !status) {
+      if (auto status = check_toml_keys(block, {"ids", "size_m", "size_sigma_m"}, name_); !status) {
         return status;
       }
       const toml::node* const ids = block.get("ids");
@@ -169,6 +191,8 @@ class CatalogReader {
       }
       const auto size_m = read_size(*size);
       if (!size_m) return tl::make_unexpected(size_m.error());
+      const auto sigma_m = read_size_sigma(block, *size_m);
+      if (!sigma_m) return tl::make_unexpected(sigma_m.error());
       const auto ranges = read_ids(*ids, entry.family);
       if (!ranges) return tl::make_unexpected(ranges.error());
       for (const auto& [first, last] : *ranges) {
@@ -178,6 +202,7 @@ class CatalogReader {
                         "{}: id {} has a size already; it stands in two ranges",
                         toml_place(name_, *ids), id);
           }
+          if (*sigma_m) entry.size_sigma_m_by_id.emplace(id, **sigma_m);
         }
       }
     }
@@ -231,6 +256,30 @@ std::optional<double> MarkerCatalog::size_m(const MarkerId& id) const {
   return std::nullopt;
 }
 
+std::optional<double> MarkerCatalog::size_sigma_m(const MarkerId& id) const {
+  const auto size = size_m(id);
+  if (!size) return std::nullopt;
+  const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const FamilyEntry& one) { return one.family == id.family; });
+  if (const auto listed = entry->size_sigma_m_by_id.find(id.number);
+      listed != entry->size_sigma_m_by_id.end()) {
+    return listed->second;
+  }
+  const bool is_default = !entry->size_m_by_id.contains(id.number);
+  if (is_default && entry->default_size_sigma_m) return entry->default_size_sigma_m;
+  return default_size_sigma_m(*size);
+}
+
+MarkerCatalog MarkerCatalog::with_exact_sizes() const {
+  constexpr double kExact_m = 1e-9;
+  MarkerCatalog exact = *this;
+  for (FamilyEntry& entry : exact.entries_) {
+    if (entry.default_size_m) entry.default_size_sigma_m = kExact_m;
+    for (const auto& [id, size_m] : entry.size_m_by_id) entry.size_sigma_m_by_id[id] = kExact_m;
+  }
+  return exact;
+}
+
 MeetingFamilies MarkerCatalog::families() const {
   MeetingFamilies families;
   for (const FamilyEntry& entry : entries_) families.add(entry.family);
@@ -241,8 +290,18 @@ std::string MarkerCatalog::fingerprint() const {
   MarkerCatalog canonical = *this;
   std::sort(canonical.entries_.begin(), canonical.entries_.end(),
             [](const FamilyEntry& a, const FamilyEntry& b) { return a.family < b.family; });
+  for (FamilyEntry& entry : canonical.entries_) {
+    entry.default_size_sigma_m.reset();
+    entry.size_sigma_m_by_id.clear();
+  }
   const std::string text = format_marker_catalog(canonical);
   return fmt::format("{:016x}", XXH3_64bits(text.data(), text.size()));
+}
+
+double default_size_sigma_m(double size_m) {
+  constexpr double kShare = 0.001;
+  constexpr double kLeast_m = 0.0002;
+  return std::max(kShare * size_m, kLeast_m);
 }
 
 Expected<MarkerCatalog> read_marker_catalog(const std::filesystem::path& path) {
@@ -272,15 +331,24 @@ std::string format_marker_catalog(const MarkerCatalog& catalog) {
   for (const auto& entry : catalog.entries()) {
     text += fmt::format("[[markers]]\nfamily = \"{}\"\n", name_of(entry.family));
     if (entry.default_size_m) text += fmt::format("size_m = {}\n", *entry.default_size_m);
+    if (entry.default_size_sigma_m) {
+      text += fmt::format("size_sigma_m = {}\n", *entry.default_size_sigma_m);
+    }
     if (!entry.ignored.empty()) {
       text += fmt::format("ignore = \"{}\"\n", format_id_ranges(std::vector<int>(
                                                    entry.ignored.begin(), entry.ignored.end())));
     }
-    std::map<double, std::vector<int>> ids_by_size;
-    for (const auto& [id, size_m] : entry.size_m_by_id) ids_by_size[size_m].push_back(id);
-    for (const auto& [size_m, ids] : ids_by_size) {
+    // 0: not stated.
+    std::map<std::pair<double, double>, std::vector<int>> ids_by_size;
+    for (const auto& [id, size_m] : entry.size_m_by_id) {
+      const auto sigma = entry.size_sigma_m_by_id.find(id);
+      const double sigma_m = sigma == entry.size_sigma_m_by_id.end() ? 0 : sigma->second;
+      ids_by_size[{size_m, sigma_m}].push_back(id);
+    }
+    for (const auto& [size, ids] : ids_by_size) {
       text += fmt::format("[[markers.sizes]]\nids = \"{}\"\nsize_m = {}\n", format_id_ranges(ids),
-                          size_m);
+                          size.first);
+      if (size.second > 0) text += fmt::format("size_sigma_m = {}\n", size.second);
     }
     text += '\n';
   }

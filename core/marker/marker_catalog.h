@@ -21,7 +21,9 @@ class MarkerCatalog {
     std::optional<double> default_size_m;  ///< without it only the listed ids exist
     std::map<int, double> size_m_by_id;
     std::set<int> ignored;
-    double print_scale = 1;  ///< that the sizes above have in them
+    double print_scale = 1;                        ///< that the sizes above have in them
+    std::optional<double> default_size_sigma_m{};  ///< as stated beside the default size
+    std::map<int, double> size_sigma_m_by_id{};    ///< of listed ids, where stated
   };
 
   MarkerCatalog() = default;
@@ -32,6 +34,10 @@ class MarkerCatalog {
   /// Outer edge of the black border (m); nullopt for a marker that is ignored or does not exist
   /// here.
   [[nodiscard]] std::optional<double> size_m(const MarkerId& id) const;
+
+  /// One standard deviation of that size (m), which is wrong alike for all markers that share it;
+  /// where it is not stated, default_size_sigma_m. nullopt where size_m is.
+  [[nodiscard]] std::optional<double> size_sigma_m(const MarkerId& id) const;
 
   /// Whether several families meet, so that ids are written "family:number".
   [[nodiscard]] bool several_families() const { return families().several(); }
@@ -46,19 +52,25 @@ class MarkerCatalog {
     return format_marker_id(id, several_families());
   }
 
-  /// Stable 16-digit hexadecimal fingerprint of the content; written into detections.csv so that
-  /// a stale one is found.
+  /// The same, its sizes stated as exact (to 1 nm): what a simulator knows.
+  [[nodiscard]] MarkerCatalog with_exact_sizes() const;
+
+  /// Stable 16-digit hexadecimal fingerprint of the content, sigmas apart; written into
+  /// detections.csv so that a stale one is found.
   [[nodiscard]] std::string fingerprint() const;
 
  private:
   std::vector<FamilyEntry> entries_;
 };
 
+/// How sure a print's size is that nobody has measured: 0.1 % of it, 0.2 mm at least.
+[[nodiscard]] double default_size_sigma_m(double size_m);
+
 /// Reads markers.toml ([markers] or several [[markers]]); a block's print_scale multiplies its
 /// sizes. bad_data with line numbers for: unknown keys or families, sizes that are not positive and
-/// finite (or > 100 m), a print_scale outside 0.5–2, ids outside the family, an id in two ranges, a
-/// family in two blocks, two families of which one begins with the other, malformed ranges.
-/// no_input when absent.
+/// finite (or > 100 m), a size_sigma_m that is not above 0 and below the size beside it, a
+/// print_scale outside 0.5–2, ids outside the family, an id in two ranges, a family in two blocks,
+/// two families of which one begins with the other, malformed ranges. no_input when absent.
 [[nodiscard]] Expected<MarkerCatalog> read_marker_catalog(const std::filesystem::path& path);
 [[nodiscard]] Expected<MarkerCatalog> parse_marker_catalog(std::string_view text,
                                                            const std::string& name);
@@ -67,8 +79,8 @@ class MarkerCatalog {
 /// `name` stands for the capture in the message.
 [[nodiscard]] Status check_found_in_images(const MarkerCatalog& catalog, const std::string& name);
 
-/// Text of a markers.toml that reads back to the same sizes, print_scale within them (used by the
-/// simulator, importers).
+/// Text of a markers.toml that reads back to the same sizes and sigmas, print_scale within them
+/// (used by the simulator, importers).
 [[nodiscard]] std::string format_marker_catalog(const MarkerCatalog& catalog);
 
 }  // namespace waymark

@@ -204,7 +204,8 @@ class LayoutReader {
     parameters.coefficients = calib->radtan;
     auto model = CameraModel::create(parameters);
     if (!model) return fail(model.error().kind, "{}: {}", path.string(), model.error().message);
-    capture_.rig.cameras.push_back({"cam0", std::move(*model), Rigid3(), "", "", {}, {}, {}});
+    capture_.rig.cameras.push_back(
+        {"cam0", std::move(*model), Rigid3(), "", "", {}, {}, {}, {}, SigmaSource::opencv});
     return check_image_sizes(capture_.rig, path.string());
   }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,9 @@ struct DetectedCapture {
   bool monotonic = false;  ///< its stamps can't be compared with another capture's
   /// Rows of its detections.csv of a stated family that markers.toml neither sizes nor ignores.
   std::map<MarkerId, int> unlisted{};
+  /// Per camera how sure its edges are (px, one standard deviation) where they were measured and
+  /// corners moved to them; empty or nullopt where they were not.
+  std::vector<std::optional<double>> edge_sigmas_px{};
 };
 
 /// 16 hexadecimal digits that depend on a rig's numbers, or on a capture's detections, and nothing

@@ -126,6 +126,9 @@ std::vector<std::optional<EdgeBias>> correct_edges(const CaptureFolder& capture,
   ChosenMarkers chosen = choose(detected);
   fit(capture, detected, threads, progress, chosen);
   auto biases = biases_of(detected, chosen);
+  for (const auto& bias : biases) {
+    detected.edge_sigmas_px.push_back(bias ? std::optional(bias->sigma_px) : std::nullopt);
+  }
   for (std::size_t i = 0; i < detected.images.size(); ++i) {
     ImageDetections& image = detected.images[i];
     const auto& bias = biases[static_cast<std::size_t>(image.camera)];

@@ -5,27 +5,22 @@
 #include <set>
 
 #include "core/base/parallel.h"
+#include "core/camera/rig_parameters.h"
+#include "core/estimate/consider_parameters.h"
 #include "core/estimate/ippe.h"
 
 namespace waymark {
 namespace {
 
-/// A rig that is the camera itself: mono frames are world_from_cam.
-Rig single_camera_rig(const RigCamera& camera) {
-  Rig rig;
-  rig.cameras.push_back(camera);
-  rig.cameras.front().rig_from_cam = Rigid3{};
-  return rig;
-}
-
 /// Gives each capture's images their frame sets, rigs and observations.
 class ObservationMaker {
  public:
-  ObservationMaker(const ObservationOptions& options, const std::map<MarkerId, double>& sizes_m)
+  ObservationMaker(const ObservationOptions& options, const std::map<MarkerId, StatedSize>& sizes)
       : options_(options) {
-    for (const auto& [marker, size_m] : sizes_m) {
+    for (const auto& [marker, size] : sizes) {
       index_of_.emplace(marker, made_.markers.push_back(marker));
-      made_.stated_sizes_m.push_back(size_m);
+      made_.stated_sizes_m.push_back(size.size_m);
+      made_.size_sigmas.push_back(size.sigma);
     }
   }
 
@@ -39,6 +34,7 @@ class ObservationMaker {
     }
     const bool mono = options_.mono || capture.rig.cameras.size() == 1;
     const std::vector<RigIndex> rigs = rigs_of(capture, mono);
+    take_edge_sigmas(capture, rigs);
     const auto frame_sets = mono ? one_frame_set_per_image(stamped)
                                  : group_into_frame_sets(stamped, capture.sync_tolerance);
     for (const FrameSet& frame_set : frame_sets) {
@@ -89,10 +85,23 @@ class ObservationMaker {
   std::vector<RigIndex> rigs_of(const DetectedCapture& capture, bool mono) {
     if (!mono) return {index_of(capture.rig)};
     std::vector<RigIndex> rigs;
-    for (const RigCamera& camera : capture.rig.cameras) {
-      rigs.push_back(index_of(single_camera_rig(camera)));
+    for (std::size_t c = 0; c < capture.rig.cameras.size(); ++c) {
+      rigs.push_back(index_of(single_camera_rig(capture.rig, c)));
     }
     return rigs;
+  }
+
+  void take_edge_sigmas(const DetectedCapture& capture, const std::vector<RigIndex>& rigs) {
+    auto& sigmas = made_.edge_sigmas_px;
+    for (std::size_t c = 0; c < capture.rig.cameras.size(); ++c) {
+      const bool alone = rigs.size() > 1;
+      const CameraIndex camera(made_.first_camera[rigs[alone ? c : 0]].value() + (alone ? 0 : c));
+      const auto measured =
+          c < capture.edge_sigmas_px.size() ? capture.edge_sigmas_px[c] : std::nullopt;
+      if (camera.value() == sigmas.size()) sigmas.push_back(measured);
+      auto& sigma = sigmas[camera];
+      sigma = sigma && measured ? std::optional(std::max(*sigma, *measured)) : std::nullopt;
+    }
   }
 
   /// Of the rig among those made; it is put there unless it is there already.
@@ -146,23 +155,28 @@ class ObservationMaker {
   std::vector<Found> found_;  ///< by rising frame set
 };
 
-/// Sizes of all detected markers that exist; an id with two sizes is an error.
-Expected<std::map<MarkerId, double>> collect_sizes(const std::vector<DetectedCapture>& captures) {
-  std::map<MarkerId, double> sizes;
+/// Sizes of all detected markers that exist; an id with two sizes is an error. Of two sigmas the
+/// smaller holds: somebody has measured better.
+Expected<std::map<MarkerId, StatedSize>> collect_sizes(
+    const std::vector<DetectedCapture>& captures) {
+  std::map<MarkerId, StatedSize> sizes;
   std::map<MarkerId, std::string> stated_by;
   for (const DetectedCapture& capture : captures) {
     for (const ImageDetections& image : capture.images) {
       for (const Detection& d : image.detections) {
         const auto size = capture.catalog.size_m(d.marker);
         if (!size) continue;
-        const auto [known, is_new] = sizes.emplace(d.marker, *size);
+        const double sigma = *capture.catalog.size_sigma_m(d.marker) / *size;
+        const auto [known, is_new] = sizes.emplace(d.marker, StatedSize{*size, sigma});
         if (is_new) {
           stated_by[d.marker] = capture.name;
-        } else if (known->second != *size) {
+        } else if (known->second.size_m == *size) {
+          known->second.sigma = std::min(known->second.sigma, sigma);
+        } else {
           return fail(ErrorKind::bad_data,
                       "{}: marker {} is {} m here and {} m in {}; make markers.toml of the "
                       "captures agree",
-                      capture.name, format_marker_id(d.marker, true), *size, known->second,
+                      capture.name, format_marker_id(d.marker, true), *size, known->second.size_m,
                       stated_by[d.marker]);
         }
       }

@@ -59,6 +59,8 @@ struct Observations {
   IndexedVector<RigIndex, Rig> rigs;  ///< as stated; captures of the same cameras share one
   IndexedVector<CameraIndex, CameraPlace> cameras;
   IndexedVector<RigIndex, CameraIndex> first_camera;
+  /// How sure a camera's edges are where every capture has measured them; the largest (px).
+  IndexedVector<CameraIndex, std::optional<double>> edge_sigmas_px;
   IndexedVector<CaptureIndex, ObservedCapture> captures;
   /// Captures whose rig.yaml names the same cameras (serials) and states other numbers: their rigs
   /// are kept apart. By name, rising.
@@ -66,6 +68,7 @@ struct Observations {
   std::string rig_fingerprint;                        ///< of all different rigs together
   IndexedVector<MarkerIndex, MarkerId> markers;       ///< rising
   IndexedVector<MarkerIndex, double> stated_sizes_m;  ///< by markers.toml
+  IndexedVector<MarkerIndex, double> size_sigmas;     ///< how sure these are, as a share of them
   IndexedVector<FrameSetIndex, ObservedFrameSet> frame_sets;
   /// The usable ones, then those of an id that was found twice in one image: neither of the two can
   /// be trusted, but a finished map may tell which of them is right. Both by rising frame set.

@@ -45,6 +45,42 @@ TEST(MarkerCatalog, SizesByDefaultRangeAndList) {
   EXPECT_EQ(catalog.size_m(tag(221)), 0.30);
 }
 
+TEST(MarkerCatalog, SizesHaveSigmas) {
+  const MarkerCatalog catalog = parsed(
+      "[markers]\nfamily = \"tag36h11\"\nsize_m = 0.3\nsize_sigma_m = 0.001\n"
+      "[[markers.sizes]]\nids = \"7-8\"\nsize_m = 0.1\nsize_sigma_m = 0.00005\n"
+      "[[markers.sizes]]\nids = [9]\nsize_m = 0.1\n");
+  EXPECT_EQ(catalog.size_sigma_m(tag(0)), 0.001);
+  EXPECT_EQ(catalog.size_sigma_m(tag(8)), 0.00005);
+  EXPECT_EQ(catalog.size_sigma_m(tag(9)), 0.0002) << "0.2 mm where nobody says";
+  EXPECT_EQ(default_size_sigma_m(0.5), 0.0005) << "a thousandth of large ones";
+  EXPECT_EQ(parsed("[markers]\nfamily = \"tag36h11\"\n[[markers.sizes]]\nids = [1]\nsize_m = 1\n")
+                .size_sigma_m(tag(2)),
+            std::nullopt);
+  const MarkerCatalog again = parsed(format_marker_catalog(catalog));
+  for (const int id : {0, 7, 8, 9}) {
+    EXPECT_EQ(again.size_sigma_m(tag(id)), catalog.size_sigma_m(tag(id)));
+  }
+  EXPECT_EQ(catalog.with_exact_sizes().fingerprint(), catalog.fingerprint())
+      << "a sigma makes no detections stale";
+  EXPECT_LT(*catalog.with_exact_sizes().size_sigma_m(tag(9)), 1e-8);
+}
+
+TEST(MarkerCatalog, SigmasOfSizesAreAboveZeroAndBelowTheSize) {
+  for (const std::string bad : {"-0.001", "0", "nan", "0.3", "\"a\""}) {
+    const auto catalog = parse_marker_catalog(
+        "[markers]\nfamily = \"tag36h11\"\nsize_m = 0.3\nsize_sigma_m = " + bad + "\n", "m.toml");
+    ASSERT_FALSE(catalog) << bad;
+    EXPECT_THAT(
+        catalog.error().message,
+        HasSubstr("m.toml: line 4: size_sigma_m must be a number above 0 and below size_m"));
+  }
+  const auto without =
+      parse_marker_catalog("[markers]\nfamily = \"tag36h11\"\nsize_sigma_m = 0.1\n", "m.toml");
+  ASSERT_FALSE(without);
+  EXPECT_THAT(without.error().message, HasSubstr("without a size_m beside it"));
+}
+
 TEST(MarkerCatalog, PrintScaleMultipliesItsBlocksSizes) {
   const MarkerCatalog catalog = parsed(
       "[[markers]]\nfamily = \"tag36h11\"\nprint_scale = 0.5\nsize_m = 0.4\n"
