@@ -31,16 +31,16 @@ TEST(ConsiderParameters, RigsThenSizes) {
   const std::vector<Rig> rigs{rig_of(2), rig_of(1)};
   const std::vector<StatedSize> sizes{{0.16, 0.00125}, {0.3, 0.001}};
   const ConsiderParameters made = consider_parameters(rigs, sizes);
-  ASSERT_EQ(made.all.size(), 8U + 14U + 8U + 2U);
-  ASSERT_EQ(made.count(), 32);
+  ASSERT_EQ(made.all.size(), 7U + 13U + 7U + 2U);
+  ASSERT_EQ(made.count(), 29);
   EXPECT_EQ(name_of(made.all.front(), rigs), "cam0 focal length");
-  EXPECT_EQ(name_of(made.all[9], rigs), "cam1 position y");
-  EXPECT_EQ(name_of(made.all[22], rigs), "rig1 cam0 focal length");
-  EXPECT_EQ(name_of(made.all[23], rigs), "rig1 cam0 principal point u");
-  EXPECT_EQ(name_of(made.all[30], rigs), "size 0.16 m");
-  EXPECT_DOUBLE_EQ(made.covariance(30, 30), 0.00125 * 0.00125);
-  EXPECT_DOUBLE_EQ(made.covariance(31, 30), 0.5 * 0.00125 * 0.001);
-  EXPECT_EQ(made.covariance(30, 0), 0);
+  EXPECT_EQ(name_of(made.all[8], rigs), "cam1 position y");
+  EXPECT_EQ(name_of(made.all[20], rigs), "rig1 cam0 focal length");
+  EXPECT_EQ(name_of(made.all[21], rigs), "rig1 cam0 principal point u");
+  EXPECT_EQ(name_of(made.all[27], rigs), "size 0.16 m");
+  EXPECT_DOUBLE_EQ(made.covariance(27, 27), 0.00125 * 0.00125);
+  EXPECT_DOUBLE_EQ(made.covariance(28, 27), 0.5 * 0.00125 * 0.001);
+  EXPECT_EQ(made.covariance(27, 0), 0);
 }
 
 TEST(ConsiderParameters, EdgesOfAllRigsHaveHalfTheirVarianceInCommon) {
