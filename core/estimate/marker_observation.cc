@@ -68,11 +68,13 @@ double squared_residual(const MarkerObservation& observation, const CameraModel&
 }
 
 std::optional<std::array<LinearizedCorner, 4>> linearize_corners(
-    const MarkerObservation& observation, const ObservationGeometry& geometry, double size_factor) {
+    const MarkerObservation& observation, const ObservationGeometry& geometry,
+    const Eigen::Vector2d& times) {
   const CornerChain chain = chain_of(geometry);
-  const auto x_in_marker = marker_corners(observation.size_m * size_factor);
+  auto x_in_marker = marker_corners(observation.size_m);
   std::optional<std::array<LinearizedCorner, 4>> corners(std::in_place);
   for (std::size_t i = 0; i < 4; ++i) {
+    x_in_marker[i].head<2>().array() *= times.array();
     if (!linearize(observation, chain, i, x_in_marker[i], (*corners)[i])) return std::nullopt;
   }
   return corners;

@@ -76,13 +76,13 @@ struct LinearizedCorner {
   CornerJacobians jacobians;    ///< of χ
 };
 
-/// An observation's four corners where it stands, its marker `size_factor` times as large as it
+/// An observation's four corners where it stands, its marker `times` as wide and as high as it
 /// says; nullopt when one can't be projected. Everything that estimates poses, sizes or their
 /// uncertainty with known lenses is made of this; only the bundle's ReducedProblem, which moves
 /// lenses and edges as well, takes corner_residual itself.
 [[nodiscard]] std::optional<std::array<LinearizedCorner, 4>> linearize_corners(
     const MarkerObservation& observation, const ObservationGeometry& geometry,
-    double size_factor = 1.0);
+    const Eigen::Vector2d& times = Eigen::Vector2d::Ones());
 
 /// Which end of the chain moves.
 enum class FreePose { rig, marker };

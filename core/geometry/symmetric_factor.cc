@@ -23,10 +23,9 @@ typename SymmetricFactor<N>::Matrix SymmetricFactor<N>::inverse() const {
 template class SymmetricFactor<3>;
 template class SymmetricFactor<6>;
 template class SymmetricFactor<7>;
+template class SymmetricFactor<8>;
 template class SymmetricFactor<12>;
 template class SymmetricFactor<21>;
-template SymmetricFactor<8>::SymmetricFactor(const Matrix&);
-template SymmetricFactor<8>::Vector SymmetricFactor<8>::solve(const Vector&) const;
 template SymmetricFactor<9>::SymmetricFactor(const Matrix&);
 template SymmetricFactor<9>::Vector SymmetricFactor<9>::solve(const Vector&) const;
 

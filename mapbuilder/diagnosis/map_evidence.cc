@@ -139,6 +139,13 @@ std::vector<MarkerView> MapEvidence::independent_views_of(MarkerIndex marker,
   return independent;
 }
 
+std::vector<MarkerView> thinned(std::vector<MarkerView> views, std::size_t most) {
+  if (views.size() <= most) return views;
+  std::vector<MarkerView> kept;
+  for (std::size_t i = 0; i < most; ++i) kept.push_back(views[i * views.size() / most]);
+  return kept;
+}
+
 MarkerObservation sized_as(const MarkerView& view, double size_m) {
   MarkerObservation observation = *view.observation;
   resize(observation, size_m);

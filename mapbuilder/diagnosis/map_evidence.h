@@ -97,6 +97,9 @@ class MapEvidence {
   IndexedVector<ObservationIndex, char> accepted_;  ///< and of a marker with a place
 };
 
+/// At most so many views, evenly spread.
+[[nodiscard]] std::vector<MarkerView> thinned(std::vector<MarkerView> views, std::size_t most);
+
 /// The view's observation as one of a marker of another size.
 [[nodiscard]] MarkerObservation sized_as(const MarkerView& view, double size_m);
 

@@ -62,6 +62,9 @@ Corrections corrections_for(const Selection& selection,
     for (const WrongSize& wrong : diagnosis.sizes) {
       corrections.sizes_m[wrong.marker] = wrong.fitted_m;
     }
+    for (const MisshapenMarker& misshapen : diagnosis.misshapen) {
+      leave_out(selection, misshapen.marker, corrections);
+    }
     for (const RidingMarker& riding : diagnosis.riding) {
       leave_out(selection, riding.marker, corrections);
     }

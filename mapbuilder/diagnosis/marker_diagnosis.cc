@@ -46,10 +46,17 @@ class MarkerJudge {
 
   MarkerDiagnosis diagnose() {
     MarkerDiagnosis diagnosis;
+    diagnosis.misshapen = find_misshapen_markers(evidence_, options_.shape);
     diagnosis.sizes = find_wrong_sizes(evidence_, options_.size);
+    std::vector<MarkerIndex> judged = evidence_.markers();
+    // One that is narrower than high seems to be smaller, and where it is not.
+    for (const MisshapenMarker& one : diagnosis.misshapen) {
+      std::erase(judged, one.marker);
+      std::erase_if(diagnosis.sizes,
+                    [&](const WrongSize& wrong) { return wrong.marker == one.marker; });
+    }
     // A marker of wrong size seems to be where it is not; it is judged when its size is right.
     constexpr double kRight = 0.01;
-    std::vector<MarkerIndex> judged = evidence_.markers();
     for (const WrongSize& wrong : diagnosis.sizes) {
       const double used_m = evidence_.size_m(wrong.marker);
       if (std::abs(wrong.fitted_m / used_m - 1.0) > kRight) std::erase(judged, wrong.marker);
@@ -260,6 +267,7 @@ class MarkerJudge {
 
 Status DiagnosisOptions::check() const {
   return RangeCheck()
+      .part("shape", shape.check())
       .part("size", size.check())
       .part("places", places.check())
       .part("history", history.check())

@@ -4,16 +4,18 @@
 
 #include "mapbuilder/diagnosis/map_evidence.h"
 #include "mapbuilder/diagnosis/marker_places.h"
+#include "mapbuilder/diagnosis/misshapen_markers.h"
 #include "mapbuilder/diagnosis/moving_markers.h"
 #include "mapbuilder/diagnosis/place_history.h"
 #include "mapbuilder/diagnosis/presence.h"
-#include "mapbuilder/diagnosis/size_fit.h"
 #include "mapbuilder/diagnosis/wrong_ids.h"
+#include "mapbuilder/diagnosis/wrong_sizes.h"
 
 namespace waymark {
 
 /// Options of the diagnosis of markers.
 struct DiagnosisOptions {
+  ShapeOptions shape;
   SizeOptions size;
   PlaceOptions places;
   HistoryOptions history;
@@ -36,6 +38,7 @@ struct DisplacedMarker {
 
 /// What is wrong with the markers of one component. Sound ones are in none of the lists.
 struct MarkerDiagnosis {
+  std::vector<MisshapenMarker> misshapen;
   std::vector<WrongSize> sizes;
   std::vector<DisplacedMarker> displaced;
   std::vector<RidingMarker> riding;

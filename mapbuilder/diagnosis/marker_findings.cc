@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -28,6 +29,32 @@ class FindingWriter {
     finding.figures = {{"fitted size", wrong.fitted_m, "m", wrong.sigma_m},
                        {"stated size", wrong.stated_m, "m", {}},
                        {"scatter of other markers' sizes", 1e2 * wrong.spread, "%", {}}};
+    return finding;
+  }
+
+  /// Those that are out of shape alike, to half a percent, have one reason.
+  [[nodiscard]] Finding misshapen(const std::vector<const MisshapenMarker*>& alike) const {
+    Finding finding;
+    finding.cause = Cause::print_not_square;
+    double stretch = 0;
+    double sigma = 0;
+    std::size_t views = 0;
+    for (const MisshapenMarker* one : alike) {
+      finding.markers.push_back(observations_.markers[one->marker]);
+      stretch += one->stretch / static_cast<double>(alike.size());
+      sigma = std::max(sigma, one->sigma);
+      views += one->views;
+    }
+    const double narrower = -100.0 * std::expm1(-std::abs(stretch));
+    finding.subject = subject_of(finding.markers, observations_.several_families());
+    finding.text = fmt::format(
+        "{} {:.1f} ± {:.1f} % {}, by {} views of cameras that other markers place: bent round "
+        "something, or printed not square? Left out.",
+        alike.size() == 1 ? "is" : "are", narrower, std::max(0.1, 100.0 * sigma),
+        stretch < 0 ? "narrower than high" : "lower than wide", views);
+    finding.remedy = "Measure both edges of the black border; hang it flat, or print it anew.";
+    finding.explains = fmt::format("{} views of {}", views, alike.size() == 1 ? "it" : "them");
+    finding.figures = {{"wider than high", 100.0 * std::expm1(stretch), "%", 100.0 * sigma}};
     return finding;
   }
 
@@ -208,12 +235,33 @@ class FindingWriter {
   const Observations& observations_;
 };
 
+/// Those of one finding, each group by rising index.
+std::vector<std::vector<const MisshapenMarker*>> alike_in_shape(
+    const std::vector<MisshapenMarker>& misshapen) {
+  constexpr double kAlike = 0.005;
+  std::vector<std::vector<const MisshapenMarker*>> groups;
+  for (const MisshapenMarker& one : misshapen) {
+    const auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& known) {
+      return std::abs(known.front()->stretch - one.stretch) <= kAlike;
+    });
+    if (group == groups.end()) {
+      groups.push_back({&one});
+    } else {
+      group->push_back(&one);
+    }
+  }
+  return groups;
+}
+
 }  // namespace
 
 std::vector<Finding> marker_findings(const Observations& observations,
                                      const MarkerDiagnosis& diagnosis) {
   const FindingWriter writer(observations);
   std::vector<Finding> findings;
+  for (const auto& alike : alike_in_shape(diagnosis.misshapen)) {
+    findings.push_back(writer.misshapen(alike));
+  }
   for (const WrongSize& wrong : diagnosis.sizes) findings.push_back(writer.wrong_size(wrong));
   for (const DisplacedMarker& marker : diagnosis.displaced) {
     findings.push_back(writer.displaced(marker));

@@ -8,6 +8,11 @@ namespace waymark {
 namespace {
 
 TEST(DiagnosisOptions, AreHeldToTheirRanges) {
+  expect_ranges<ShapeOptions>(
+      {ranged("least_sigmas", &ShapeOptions::least_sigmas, {3, 20}),
+       ranged("least_deviation", &ShapeOptions::least_deviation, {0.005, 0.2}),
+       ranged("least_views", &ShapeOptions::least_views, {3, 50}),
+       ranged("least_markers", &ShapeOptions::least_markers, {3, 50})});
   expect_ranges<SizeOptions>(
       {ranged("least_sigmas", &SizeOptions::least_sigmas, {3, 20}),
        ranged("least_deviation", &SizeOptions::least_deviation, {0.005, 0.2}),

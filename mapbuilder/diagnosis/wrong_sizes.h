@@ -1,27 +1,10 @@
 #pragma once
 
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "mapbuilder/diagnosis/map_evidence.h"
 
 namespace waymark {
-
-/// A marker's pose and size by views whose cameras are known.
-struct SizeFit {
-  Rigid3 world_from_marker;
-  double factor = 1.0;  ///< fitted size over the observations' stated one
-  double sigma = 0.0;   ///< of the factor, relative; grows with the misfit of the views
-  double cost = 0.0;    ///< Σ ρ, sigmas²
-};
-
-/// Seven freedoms, pose and logarithm of the size, by Levenberg–Marquardt with the cameras held.
-/// nullopt when a start can't be projected or the size is not observable (all views from one spot
-/// leave it as sigma, not as nullopt).
-[[nodiscard]] std::optional<SizeFit> fit_size(std::span<const MarkerView> views,
-                                              const Rigid3& world_from_marker, double factor,
-                                              const ObservationLoss& loss);
 
 /// A marker whose stated size does not fit.
 struct WrongSize {

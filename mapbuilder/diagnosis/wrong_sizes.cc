@@ -1,0 +1,119 @@
+#include "mapbuilder/diagnosis/wrong_sizes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/parallel.h"
+#include "core/base/range.h"
+#include "mapbuilder/diagnosis/print_fit.h"
+#include "mapbuilder/diagnosis/scatter.h"
+#include "mapbuilder/diagnosis/view_placement.h"
+
+namespace waymark {
+namespace {
+
+struct Deviation {
+  MarkerIndex marker;
+  double log_factor = 0;
+  double sigma = 0;
+};
+
+/// Logarithm of a fitted size over the stated one.
+double deviation_of(const MapEvidence& evidence, MarkerIndex marker, const PrintFit& fit) {
+  return std::log(fit.place.factor * evidence.size_m(marker) / evidence.stated_size_m(marker));
+}
+
+std::optional<PrintFit> fit_size(std::span<const MarkerView> views, const PrintedPose& start,
+                                 const MapEvidence& evidence) {
+  return fit_print(views, start, FreePrint::size, evidence.options().loss);
+}
+
+/// The best fit over starts that are far too small to far too large.
+std::optional<PrintFit> fit_from_afar(std::span<const MarkerView> views,
+                                      const MapEvidence& evidence) {
+  constexpr std::array<double, 5> kFactors{1.0, 0.85, 1.18, 0.7, 1.4};
+  std::optional<PrintFit> best;
+  for (const double factor : kFactors) {
+    const auto placed = place_at_size(views, factor, evidence.options());
+    if (!placed) continue;
+    const auto fit = fit_size(views, {placed->best.pose, factor}, evidence);
+    if (fit && (!best || fit->cost < best->cost)) best = fit;
+  }
+  return best;
+}
+
+}  // namespace
+
+Status SizeOptions::check() const {
+  return RangeCheck()
+      .field("least_sigmas", least_sigmas, {3, 20})
+      .field("least_deviation", least_deviation, {0.005, 0.2})
+      .field("least_views", least_views, {3, 50})
+      .field("least_markers", least_markers, {3, 50})
+      .status();
+}
+
+std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeOptions& options) {
+  constexpr std::size_t kScreeningViews = 32;
+  constexpr std::size_t kFitViews = 64;
+  const auto least_views = static_cast<std::size_t>(options.least_views);
+  const std::vector<MarkerIndex>& markers = evidence.markers();
+  std::vector<std::optional<Deviation>> found(markers.size());
+  parallel_for(markers.size(), evidence.options().threads, [&](std::size_t m) {
+    const MarkerIndex marker = markers[m];
+    auto views = thinned(evidence.views_of(marker, 2), kScreeningViews);
+    if (views.size() < least_views) return;
+    std::optional<PrintFit> fit;
+    if (const auto& place = evidence.place(marker)) {
+      fit = fit_size(views, {place->world_from_marker}, evidence);
+    } else {
+      fit = fit_from_afar(views, evidence);
+    }
+    if (fit) found[m] = Deviation{marker, deviation_of(evidence, marker, *fit), fit->factor_sigma};
+  });
+  std::vector<Deviation> deviations;
+  for (const auto& deviation : found) {
+    if (deviation) deviations.push_back(*deviation);
+  }
+  std::vector<WrongSize> wrong;
+  if (deviations.size() < static_cast<std::size_t>(options.least_markers) + 1) return wrong;
+  std::vector<double> log_factors;
+  for (const Deviation& deviation : deviations) log_factors.push_back(deviation.log_factor);
+  const Scatter scatter = scatter_of(std::move(log_factors));
+  const auto stands_out = [&](double log_factor, double sigma, double share) {
+    return std::abs(log_factor - scatter.centre) > share * options.least_deviation &&
+           scatter.excludes(log_factor, sigma, share * options.least_sigmas);
+  };
+  for (const Deviation& suspect : deviations) {
+    constexpr double kWorthAnotherLook = 0.5;
+    if (!stands_out(suspect.log_factor, suspect.sigma, kWorthAnotherLook)) continue;
+    const auto views = thinned(evidence.independent_views_of(suspect.marker, 2), kFitViews);
+    if (views.size() < least_views) continue;
+    auto fit = fit_from_afar(views, evidence);
+    if (!fit) continue;
+    // A marker that stands in two places can pass for one of odd size; then views contradict it.
+    const double used_m = evidence.size_m(suspect.marker);
+    std::vector<MarkerView> fitting = views;
+    std::erase_if(fitting, [&](const MarkerView& view) {
+      return misfit_sigmas2(view, {fit->place.world_from_marker, used_m * fit->place.factor}) >
+             evidence.gate_sigmas2();
+    });
+    constexpr double kLeastFitting = 0.75;
+    if (static_cast<double>(fitting.size()) < kLeastFitting * static_cast<double>(views.size())) {
+      continue;
+    }
+    fit = fit_size(fitting, fit->place, evidence);
+    if (!fit || !stands_out(deviation_of(evidence, suspect.marker, *fit), fit->factor_sigma, 1.0)) {
+      continue;
+    }
+    const double fitted_m = used_m * fit->place.factor;
+    wrong.push_back({suspect.marker, evidence.stated_size_m(suspect.marker), fitted_m,
+                     fitted_m * std::hypot(fit->factor_sigma, scatter.spread), scatter.spread,
+                     fitting.size(), deviations.size() - 1});
+  }
+  return wrong;
+}
+
+}  // namespace waymark
