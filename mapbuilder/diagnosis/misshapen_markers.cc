@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "core/base/parallel.h"
 #include "core/base/range.h"
@@ -22,6 +21,8 @@ std::optional<PrintFit> fit_shape(std::span<const MarkerView> views, const Print
                                   const MapEvidence& evidence) {
   return fit_print(views, start, FreePrint::size_and_stretch, evidence.options().loss);
 }
+
+Measured stretch_of(const PrintFit& fit) { return {fit.place.stretch, fit.stretch_sigma}; }
 
 /// Where the map has the marker, or where its views have it.
 std::optional<Rigid3> start_of(std::span<const MarkerView> views, MarkerIndex marker,
@@ -79,12 +80,12 @@ std::vector<MisshapenMarker> find_misshapen_markers(const MapEvidence& evidence,
   const std::vector<ShapeFit> shapes = fit_shapes(evidence, least_views);
   std::vector<MisshapenMarker> misshapen;
   if (shapes.size() < static_cast<std::size_t>(options.least_markers) + 1) return misshapen;
-  std::vector<double> stretches;
-  for (const ShapeFit& shape : shapes) stretches.push_back(shape.fit.place.stretch);
-  const Scatter scatter = scatter_of(std::move(stretches));
+  std::vector<Measured> stretches;
+  for (const ShapeFit& shape : shapes) stretches.push_back(stretch_of(shape.fit));
+  const Scatter scatter = scatter_of(stretches);
   const auto stands_out = [&](const PrintFit& fit) {
     return std::abs(fit.place.stretch - scatter.centre) > options.least_deviation &&
-           scatter.excludes(fit.place.stretch, fit.stretch_sigma, options.least_sigmas);
+           scatter.excludes(stretch_of(fit), options.least_sigmas);
   };
   for (const ShapeFit& suspect : shapes) {
     if (!stands_out(suspect.fit)) continue;

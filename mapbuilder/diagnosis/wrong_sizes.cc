@@ -16,13 +16,13 @@ namespace {
 
 struct Deviation {
   MarkerIndex marker;
-  double log_factor = 0;
-  double sigma = 0;
+  Measured log_factor;
 };
 
 /// Logarithm of a fitted size over the stated one.
-double deviation_of(const MapEvidence& evidence, MarkerIndex marker, const PrintFit& fit) {
-  return std::log(fit.place.factor * evidence.size_m(marker) / evidence.stated_size_m(marker));
+Measured deviation_of(const MapEvidence& evidence, MarkerIndex marker, const PrintFit& fit) {
+  return {std::log(fit.place.factor * evidence.size_m(marker) / evidence.stated_size_m(marker)),
+          fit.factor_sigma};
 }
 
 std::optional<PrintFit> fit_size(std::span<const MarkerView> views, const PrintedPose& start,
@@ -71,7 +71,7 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
     } else {
       fit = fit_from_afar(views, evidence);
     }
-    if (fit) found[m] = Deviation{marker, deviation_of(evidence, marker, *fit), fit->factor_sigma};
+    if (fit) found[m] = Deviation{marker, deviation_of(evidence, marker, *fit)};
   });
   std::vector<Deviation> deviations;
   for (const auto& deviation : found) {
@@ -79,16 +79,16 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
   }
   std::vector<WrongSize> wrong;
   if (deviations.size() < static_cast<std::size_t>(options.least_markers) + 1) return wrong;
-  std::vector<double> log_factors;
+  std::vector<Measured> log_factors;
   for (const Deviation& deviation : deviations) log_factors.push_back(deviation.log_factor);
-  const Scatter scatter = scatter_of(std::move(log_factors));
-  const auto stands_out = [&](double log_factor, double sigma, double share) {
-    return std::abs(log_factor - scatter.centre) > share * options.least_deviation &&
-           scatter.excludes(log_factor, sigma, share * options.least_sigmas);
+  const Scatter scatter = scatter_of(log_factors);
+  const auto stands_out = [&](const Measured& log_factor, double share) {
+    return std::abs(log_factor.value - scatter.centre) > share * options.least_deviation &&
+           scatter.excludes(log_factor, share * options.least_sigmas);
   };
   for (const Deviation& suspect : deviations) {
     constexpr double kWorthAnotherLook = 0.5;
-    if (!stands_out(suspect.log_factor, suspect.sigma, kWorthAnotherLook)) continue;
+    if (!stands_out(suspect.log_factor, kWorthAnotherLook)) continue;
     const auto views = thinned(evidence.independent_views_of(suspect.marker, 2), kFitViews);
     if (views.size() < least_views) continue;
     auto fit = fit_from_afar(views, evidence);
@@ -97,15 +97,14 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
     const double used_m = evidence.size_m(suspect.marker);
     std::vector<MarkerView> fitting = views;
     std::erase_if(fitting, [&](const MarkerView& view) {
-      return misfit_sigmas2(view, {fit->place.world_from_marker, used_m * fit->place.factor}) >
-             evidence.gate_sigmas2();
+      return misfit_sigmas2(view, fit->place) > evidence.gate_sigmas2();
     });
     constexpr double kLeastFitting = 0.75;
     if (static_cast<double>(fitting.size()) < kLeastFitting * static_cast<double>(views.size())) {
       continue;
     }
     fit = fit_size(fitting, fit->place, evidence);
-    if (!fit || !stands_out(deviation_of(evidence, suspect.marker, *fit), fit->factor_sigma, 1.0)) {
+    if (!fit || !stands_out(deviation_of(evidence, suspect.marker, *fit), 1.0)) {
       continue;
     }
     const double fitted_m = used_m * fit->place.factor;

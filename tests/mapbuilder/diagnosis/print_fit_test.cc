@@ -7,6 +7,7 @@
 #include <random>
 
 #include "core/marker/marker_geometry.h"
+#include "tests/support/synthetic_room.h"
 
 namespace waymark {
 namespace {
@@ -50,7 +51,7 @@ class Prints : public ::testing::Test {
   }
 
   std::mt19937 random_{5};
-  RigCamera camera_{"cam0", *CameraModel::create({1280, 960, 800, 800, 639.5, 479.5}), {}};
+  RigCamera camera_ = test::ring_rig(1).cameras.front();
   std::vector<MarkerObservation> observations_;
   PrintedPose truth_{{so3_exp({0.1, -0.05, 0.4}), {0.05, -0.03, 0.02}}, 0.97, -0.06};
 };
