@@ -225,28 +225,45 @@ class ExplainedBuilder {
     return take(std::move(explained.captures));
   }
 
+  /// A map of lengths that contradict each other lies between them: where the sizes are outvoted it
+  /// is built anew by those that the survey states, until these stay the same.
   Status hold_survey_against_it() {
+    constexpr int kMostRounds = 3;
+    constexpr double kSame = 0.001;
     if (!plain_) build_plainly();
-    JudgedSurvey judged = judge_survey(options_.survey, *plain_, build_.observations,
-                                       [&](double factor) { return ask_baselines(factor); });
+    JudgedSurvey judged = judge_survey_with(1.0);
+    double taken = 1.0;
+    for (int round = 0; round < kMostRounds && judged.sizes_times; ++round) {
+      const double further = *judged.sizes_times / taken;
+      if (std::abs(further - 1.0) <= kSame) break;
+      if (auto done = outvote_sizes(further); !done) return done;
+      taken = *judged.sizes_times;
+      build_plainly();
+      JudgedSurvey better = judge_survey_with(taken);
+      if (!better.sizes_times) break;
+      judged = std::move(better);
+    }
     build_.survey = std::move(judged.survey);
     z_is_up_ = judged.z_is_up;
-    if (judged.sizes_times) {
-      if (auto taken = outvote_sizes(*judged.sizes_times); !taken) return taken;
-    }
     for (Finding& finding : judged.findings) build_.causes.push_back(std::move(finding));
     return {};
   }
 
-  /// What explained the captures by sizes against baselines gives way to who outvotes the sizes.
+  [[nodiscard]] JudgedSurvey judge_survey_with(double sizes_taken) {
+    return judge_survey(
+        options_.survey, *plain_, build_.observations,
+        [&](double factor) { return ask_baselines(factor); }, sizes_taken);
+  }
+
+  /// Multiplies the captures' sizes. What explained them by sizes against baselines gives way to
+  /// who outvotes the sizes.
   Status outvote_sizes(double factor) {
     const auto is_scale = [](const Finding& finding) { return finding.cause == Cause::size_scale; };
     const bool scaled = std::erase_if(build_.causes, is_scale) > 0;
-    const bool nothing_else = build_.causes.empty();
-    std::vector<DetectedCapture> captures = nothing_else ? stated_ : captures_;
+    std::vector<DetectedCapture> captures = scaled && build_.causes.empty() ? stated_ : captures_;
     for (DetectedCapture& capture : captures) {
       multiply_sizes(capture, factor);
-      if (scaled && !nothing_else) multiply_baselines(capture, factor);
+      if (scaled && !build_.causes.empty()) multiply_baselines(capture, factor);
     }
     return take(std::move(captures));
   }

@@ -157,9 +157,10 @@ class MapJudge {
     }
     if (agreement.fault == CommonFault::shifted) {
       add(Cause::map_misfit, Severity::error, {},
-          fmt::format("all centres are off by ({:+.3f}, {:+.3f}) m in the marker's plane (x right, "
-                      "y up): another spot of each was measured.",
-                      agreement.shift_m.x(), agreement.shift_m.y()),
+          fmt::format(
+              "all centres are off by ({:+.2f}, {:+.2f}) of a marker's size in its plane (x "
+              "right, y up): another spot of each was measured.",
+              agreement.shift.x(), agreement.shift.y()),
           "position_m is the marker's centre.");
     }
     const bool scaled = agreement.fault == CommonFault::scaled ||

@@ -33,8 +33,8 @@ struct ShapeOptions {
 
 /// Markers that fit their views only when wider or narrower than high, by rising index. Each
 /// one's pose, size and stretch are fitted with the cameras where the map has them; one that stands
-/// out is fitted again with cameras that other markers place alone. Views that the map rejects count as well:
-/// a shape may be so wrong that nothing was accepted.
+/// out is fitted again with cameras that other markers place alone. Views that the map rejects
+/// count as well: a shape may be so wrong that nothing was accepted.
 [[nodiscard]] std::vector<MisshapenMarker> find_misshapen_markers(const MapEvidence& evidence,
                                                                   const ShapeOptions& options);
 

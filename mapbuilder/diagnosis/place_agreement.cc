@@ -58,7 +58,7 @@ class Agreer {
     const PlaceAgreement* best = nullptr;
     for (PlaceAgreement& one : all) {
       refine(one);
-      if (one.shift_m.norm() > kFarthestSpot * places_[0].size_m) continue;
+      if (one.shift.norm() > kFarthestSpot) continue;
       const double cost = cost_of(one) + price_of(one.fault);
       if (one.fault == CommonFault::none) cost_of_none = cost;
       one.gain = cost_of_none - cost;
@@ -90,14 +90,15 @@ class Agreer {
     }
   }
 
-  /// Other spots of a marker of the first one's size that people measure: corners and centre.
+  /// Other spots that people measure than the first one's, in marker sizes: corners and centre.
   std::vector<Eigen::Vector3d> shifts() const {
+    constexpr double kAnother = 0.1;
     std::vector<Eigen::Vector3d> spots{Eigen::Vector3d::Zero()};
-    for (const Eigen::Vector3d& corner : marker_corners(places_[0].size_m)) spots.push_back(corner);
+    for (const Eigen::Vector3d& corner : marker_corners(1.0)) spots.push_back(corner);
     std::vector<Eigen::Vector3d> shifts;
     for (const Eigen::Vector3d& spot : spots) {
-      const Eigen::Vector3d shift = spot - places_[0].x_in_marker;
-      if (shift.norm() > 0.1 * places_[0].size_m) shifts.push_back(shift);
+      const Eigen::Vector3d shift = spot - places_[0].x_in_marker / places_[0].size_m;
+      if (shift.norm() > kAnother) shifts.push_back(shift);
     }
     return shifts;
   }
@@ -111,7 +112,8 @@ class Agreer {
 
   /// The place as the images have it before motion and scale.
   static Eigen::Vector3d source(const PlaceAgreement& by, const MeasuredPlace& place) {
-    const Eigen::Vector3d x = place.world_from_marker * (place.x_in_marker + by.shift_m);
+    const Eigen::Vector3d x =
+        place.world_from_marker * (place.x_in_marker + place.size_m * by.shift);
     return by.mirrors() ? mirrored(x) : x;
   }
 
@@ -133,7 +135,7 @@ class Agreer {
     for (const auto& triple : triples_) {
       PlaceAgreement start;
       start.fault = fault;
-      start.shift_m = shift;
+      start.shift = shift;
       std::vector<Eigen::Vector3d> from;
       std::vector<Eigen::Vector3d> to;
       for (const std::size_t i : triple) {
@@ -160,7 +162,7 @@ class Agreer {
       Eigen::Matrix<double, 7, 7> hessian = Eigen::Matrix<double, 7, 7>::Zero();
       Eigen::Matrix<double, 7, 1> gradient = Eigen::Matrix<double, 7, 1>::Zero();
       Eigen::Vector3d shift = Eigen::Vector3d::Zero();
-      double weights = 0;
+      double shift_information = 0;
       for (std::size_t i = 0; i < places_.size(); ++i) {
         const double noise2 = noise_scale_ * noise_scale_;
         const double weight =
@@ -173,9 +175,10 @@ class Agreer {
         jacobian << Eigen::Matrix3d::Identity(), -skew(lever), lever;
         hessian += weight * jacobian.transpose() * jacobian;
         gradient += weight * jacobian.transpose() * misfit;
-        shift += weight * (places_[i].world_from_marker.rotation.conjugate() *
-                           (by.measured_from_world.rotation.conjugate() * misfit));
-        weights += weight;
+        shift += weight * places_[i].size_m *
+                 (places_[i].world_from_marker.rotation.conjugate() *
+                  (by.measured_from_world.rotation.conjugate() * misfit));
+        shift_information += weight * places_[i].size_m * places_[i].size_m;
       }
       if (!scales(by.fault)) {
         const double information = 1.0 / (scale_sigma_ * scale_sigma_);
@@ -187,7 +190,9 @@ class Agreer {
       by.measured_from_world = by.measured_from_world.plus(delta.head<6>());
       by.scale *= std::exp(std::clamp(delta[6], -0.5, 0.5));
       by.scale_sigma = std::sqrt(SymmetricFactor<7>(hessian).inverse()(6, 6));
-      if (by.fault == CommonFault::shifted && weights > 0) by.shift_m += shift / weights;
+      if (by.fault == CommonFault::shifted && shift_information > 0) {
+        by.shift += shift / shift_information;
+      }
     }
   }
 
@@ -264,7 +269,7 @@ class Agreer {
 }  // namespace
 
 Eigen::Vector3d PlaceAgreement::predicted(const MeasuredPlace& place) const {
-  const Eigen::Vector3d x = place.world_from_marker * (place.x_in_marker + shift_m);
+  const Eigen::Vector3d x = place.world_from_marker * (place.x_in_marker + place.size_m * shift);
   return measured_from_world * (scale * (mirrors() ? mirrored(x) : x));
 }
 

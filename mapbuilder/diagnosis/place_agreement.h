@@ -32,9 +32,9 @@ enum class CommonFault {
 /// How measured places and the images' agree.
 struct PlaceAgreement {
   CommonFault fault = CommonFault::none;
-  double scale = 1;                                   ///< measured lengths over the images'
-  double scale_sigma = 0;                             ///< of its logarithm
-  Eigen::Vector3d shift_m = Eigen::Vector3d::Zero();  ///< in each marker's frame
+  double scale = 1;                                 ///< measured lengths over the images'
+  double scale_sigma = 0;                           ///< of its logarithm
+  Eigen::Vector3d shift = Eigen::Vector3d::Zero();  ///< in each marker's frame, in its sizes
   Rigid3 measured_from_world;  ///< after mirroring (z of the world) and scaling
   std::vector<double> off;     ///< distance from where each was measured, in the measured unit
   std::vector<char> agrees;

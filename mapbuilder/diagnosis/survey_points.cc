@@ -143,7 +143,7 @@ class PointsJudge {
                                                    "bottom-left"};
     std::optional<int> corner;
     const MeasuredPlace& first = points.places.front();
-    const Eigen::Vector3d at = first.x_in_marker + agreement.shift_m;
+    const Eigen::Vector3d at = first.x_in_marker + first.size_m * agreement.shift;
     double nearest = at.norm();
     for (int c = 0; c < 4; ++c) {
       const double off = (marker_corners(first.size_m)[static_cast<std::size_t>(c)] - at).norm();
@@ -155,9 +155,9 @@ class PointsJudge {
     for (const std::size_t i : points.index) judged_.survey.points[i].place.corner = corner;
     judged_.add(
         Cause::survey_corner, Severity::error, "survey points",
-        fmt::format("they lie at ({:+.3f}, {:+.3f}) m from the stated spot in every marker's "
-                    "plane: measured at the {}?",
-                    agreement.shift_m.x(), agreement.shift_m.y(),
+        fmt::format("they lie ({:+.2f}, {:+.2f}) of a marker's size from the stated spot in every "
+                    "marker's plane: measured at the {}?",
+                    agreement.shift.x(), agreement.shift.y(),
                     corner ? kNames[static_cast<std::size_t>(*corner)] : "center"),
         "State the corner that was measured.");
   }

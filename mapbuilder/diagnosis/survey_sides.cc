@@ -18,8 +18,11 @@ namespace {
 class SurveyJudge {
  public:
   SurveyJudge(const Survey& survey, const BuildResult& result, const Observations& observations,
-              const AskBaselines& ask_baselines)
-      : result_(result), observations_(observations), ask_baselines_(ask_baselines) {
+              const AskBaselines& ask_baselines, double sizes_taken)
+      : result_(result),
+        observations_(observations),
+        ask_baselines_(ask_baselines),
+        log_taken_(std::log(sizes_taken)) {
     judged_.survey = survey;
   }
 
@@ -30,6 +33,7 @@ class SurveyJudge {
       witnesses_.clear();
       if (points.scale) witnesses_.push_back(*points.scale);
       hear_distances(submap.map);
+      for (ScaleWitness& witness : witnesses_) witness.log_scale += log_taken_;
       judge_scale();
     }
     return std::move(judged_);
@@ -226,6 +230,7 @@ class SurveyJudge {
   const BuildResult& result_;
   const Observations& observations_;
   const AskBaselines& ask_baselines_;
+  const double log_taken_;  ///< of the map's sizes over the stated ones
   JudgedSurvey judged_;
   // Of the sub-map that is being judged.
   std::vector<std::size_t> points_;  ///< of the survey
@@ -235,8 +240,9 @@ class SurveyJudge {
 }  // namespace
 
 JudgedSurvey judge_survey(const Survey& survey, const BuildResult& without_it,
-                          const Observations& observations, const AskBaselines& ask_baselines) {
-  return SurveyJudge(survey, without_it, observations, ask_baselines).judge();
+                          const Observations& observations, const AskBaselines& ask_baselines,
+                          double sizes_taken) {
+  return SurveyJudge(survey, without_it, observations, ask_baselines, sizes_taken).judge();
 }
 
 }  // namespace waymark

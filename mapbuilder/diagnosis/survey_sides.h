@@ -17,9 +17,11 @@ using AskBaselines = std::function<std::optional<bool>(double sizes_times)>;
 /// lengths stand: sizes, baselines, points and distances each state the scale; the side that most
 /// witnesses agree with (sizes and baselines one each, points two from four on, every distance one)
 /// is taken, and who stands alone is named with the factor. As many against as for: both remedies,
-/// nothing is taken of the survey. Which way up is told by walls and cameras.
+/// nothing is taken of the survey. Which way up is told by walls and cameras. All factors are over
+/// the stated sizes; the map was built with `sizes_taken` times these.
 [[nodiscard]] JudgedSurvey judge_survey(const Survey& survey, const BuildResult& without_it,
                                         const Observations& observations,
-                                        const AskBaselines& ask_baselines);
+                                        const AskBaselines& ask_baselines,
+                                        double sizes_taken = 1.0);
 
 }  // namespace waymark

