@@ -26,7 +26,7 @@ def main():
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         hundred_sets.write_inputs(folder, "memq://")
-        room = [simulator, "detections", "--scene", "room1", "--rig", "mono", "--positions", "20", "-o"]
+        room = [simulator, "detections", "--scene", "room1", "--rig", "cg120", "--positions", "20", "-o"]
         assert exit_code(room + ["room"], folder) == 0
         assert exit_code([mapbuilder, "build", "room", "-o", "room.map"], folder) == 0
         assert exit_code([mapbuilder, "export", "room.map", "--format", "json", "-o", "room.json"], folder) == 0
