@@ -62,6 +62,17 @@ bool is_held(std::span<const MarkerView> views, const PrintedPose& place,
   return static_cast<double>(fitting) >= kLeastFitting * static_cast<double>(views.size());
 }
 
+/// Whether the shape takes two fifths of what the views leave of a square, whatever its size: a
+/// lens or a rig that misfits bends markers, too, but each view otherwise.
+bool is_explained_by_shape(std::span<const MarkerView> views, const PrintFit& shape,
+                           const MapEvidence& evidence) {
+  constexpr double kExplains = 0.6;
+  PrintedPose square = shape.place;
+  square.stretch = 0;
+  const auto fit = fit_print(views, square, FreePrint::size, evidence.options().loss);
+  return fit && shape.cost < kExplains * fit->cost;
+}
+
 }  // namespace
 
 Status ShapeOptions::check() const {
@@ -92,7 +103,10 @@ std::vector<MisshapenMarker> find_misshapen_markers(const MapEvidence& evidence,
     const auto views = thinned(evidence.independent_views_of(suspect.marker, 2), kFitViews);
     if (views.size() < least_views) continue;
     const auto fit = fit_shape(views, suspect.fit.place, evidence);
-    if (!fit || !stands_out(*fit) || !is_held(views, fit->place, evidence)) continue;
+    if (!fit || !stands_out(*fit) || !is_held(views, fit->place, evidence) ||
+        !is_explained_by_shape(views, *fit, evidence)) {
+      continue;
+    }
     misshapen.push_back({suspect.marker, fit->place.stretch - scatter.centre,
                          std::hypot(fit->stretch_sigma, scatter.spread), views.size(),
                          shapes.size() - 1});
