@@ -145,17 +145,33 @@ class CaptureExplainer {
   }
 
   /// A lens that is far from the stated one is not found among sound ones, in whose noise its own
-  /// misfit is lost: its camera's images alone refine what it has come to so far.
+  /// misfit is lost: its camera's images alone refine what it has come to so far, and where that
+  /// leads nowhere, lenses of other focal lengths.
   void improve_lens(const DetectedCapture& capture, std::size_t camera, CameraLens& lens) const {
-    if (!lens.misfits()) return;
-    auto model = CameraModel::create(lens.parameters);
-    if (!model) return;
+    if (!lens.misfits() && !is_poor(lens.fitted)) return;
     DetectedCapture alone = capture;
     std::erase_if(alone.images, [&](const ImageDetections& image) {
       return image.camera != static_cast<int>(camera);
     });
+    alone = telling_images({std::move(alone)}).front();
+    refine_lens(alone, camera, CameraParameters(lens.parameters), lens);
+    const CameraParameters stated = capture.rig.cameras[camera].model.parameters();
+    for (const double factor : {0.8, 1.25, 0.65, 1.5}) {
+      if (!is_poor(lens.fitted)) return;
+      CameraParameters start = stated;
+      start.fu_px *= factor;
+      start.fv_px *= factor;
+      refine_lens(alone, camera, start, lens);
+    }
+  }
+
+  /// Takes the lens that a camera's images refine `start` to, where they fit that better.
+  void refine_lens(DetectedCapture alone, std::size_t camera, const CameraParameters& start,
+                   CameraLens& lens) const {
+    auto model = CameraModel::create(start);
+    if (!model) return;
     alone.rig.cameras[camera].model = *std::move(model);
-    const auto mono = build_mono(telling_images({alone}), options_, MonoLenses::refined);
+    const auto mono = build_mono({alone}, options_, MonoLenses::refined);
     if (!mono) return;
     const auto refined = lens_evidence(alone, 0, *mono, options_)[camera];
     if (!refined || refined->fitted.joint_px > lens.fitted.joint_px) return;
