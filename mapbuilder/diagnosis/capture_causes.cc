@@ -146,7 +146,8 @@ class CaptureExplainer {
 
   /// A lens that is far from the stated one is not found among sound ones, in whose noise its own
   /// misfit is lost: its camera's images alone refine what it has come to so far, and where that
-  /// leads nowhere, lenses of other focal lengths.
+  /// leads nowhere, lenses of other focal lengths. One that fits its own images as stated was only
+  /// bent by others'.
   void improve_lens(const DetectedCapture& capture, std::size_t camera, CameraLens& lens) const {
     if (!lens.misfits() && !is_poor(lens.fitted)) return;
     DetectedCapture alone = capture;
@@ -154,6 +155,7 @@ class CaptureExplainer {
       return image.camera != static_cast<int>(camera);
     });
     alone = telling_images({std::move(alone)}).front();
+    if (capture.rig.cameras.size() > 1 && is_acquitted(alone, lens)) return;
     refine_lens(alone, camera, CameraParameters(lens.parameters), lens);
     const CameraParameters stated = capture.rig.cameras[camera].model.parameters();
     for (const double factor : {0.8, 1.25, 0.65, 1.5}) {
@@ -163,6 +165,16 @@ class CaptureExplainer {
       start.fv_px *= factor;
       refine_lens(alone, camera, start, lens);
     }
+  }
+
+  /// Whether a camera's images alone fit the stated lens; then `lens` says so.
+  bool is_acquitted(const DetectedCapture& alone, CameraLens& lens) const {
+    const auto mono = build_mono({alone}, options_);
+    if (!mono) return false;
+    const FitQuality quality = fit_quality(Selection(mono->observations), mono->result.estimate);
+    if (is_poor(quality)) return false;
+    lens.stated = quality;
+    return true;
   }
 
   /// Takes the lens that a camera's images refine `start` to, where they fit that better.
