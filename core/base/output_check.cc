@@ -1,5 +1,6 @@
 #include "core/base/output_check.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "core/base/same_file.h"
@@ -45,7 +46,7 @@ Status check_place(const fs::path& path) {
     return cant_write(path,
                       fmt::format("the folder {} does not exist; create it", folder.string()));
   }
-  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
     return fail(ErrorKind::permission, "{}: can't write: no permission in the folder {}",
                 path.string(), folder.string());
   }

@@ -1,5 +1,6 @@
 #include "locd/record/recording_archive.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -45,7 +46,7 @@ Expected<std::optional<std::string>> check_archive(const fs::path& archive) {
     return fail(ErrorKind::config, "[record] dir {}: {} is no folder{}", archive.string(),
                 place.string(), why ? ": " + why.message() : "");
   }
-  if (::access(place.c_str(), W_OK | X_OK) == 0) return std::nullopt;
+  if (::faccessat(AT_FDCWD, place.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return std::nullopt;
   return fmt::format("{}: recordings go there, and this user may not write there", place.string());
 }
 

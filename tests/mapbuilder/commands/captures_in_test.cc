@@ -31,7 +31,8 @@ class CapturesIn : public testing::Test {
   std::filesystem::path make_blank_capture(int images) const {
     const auto capture = make_capture("blank");
     std::string text = "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n";
-    for (int i = 0; i < images; ++i) text += fmt::format("{},cam0,,,,,,,,,\n", i * 1'000'000);
+    for (int i = 0; i < images; ++i)
+      text += fmt::format("{},cam0,,,,,,,,,\n", std::int64_t{1'000'000} * i);
     folder_.write("blank/detections.csv", text);
     return capture;
   }
