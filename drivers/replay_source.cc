@@ -8,6 +8,8 @@
 #include "core/base/median.h"
 #include "core/capture/detections_csv.h"
 #include "core/capture/image_file.h"
+#include "core/capture/stamp_doubt.h"
+#include "core/capture/sync_tolerance.h"
 #include "drivers/monotonic_clock.h"
 
 namespace waymark {
@@ -213,11 +215,13 @@ Status ReplayCapture::fill_time_line() {
     at(found.camera, found.stamp).detections = &found;
   }
   std::vector<Stamp> all;
+  std::vector<StampedImage> stamped;
   entries_.resize(by_stamp.size());
   for (std::size_t c = 0; c < by_stamp.size(); ++c) {
     for (const auto& [stamp, entry] : by_stamp[c]) {
       entries_[c].push_back(entry);
       all.push_back(stamp);
+      stamped.push_back({static_cast<int>(c), stamp});
     }
   }
   if (all.empty()) {
@@ -225,16 +229,16 @@ Status ReplayCapture::fill_time_line() {
   }
   std::sort(all.begin(), all.end());
   first_ = all.front();
-  if (time_between(first_, all.back()) > kLargestStamp) {
-    return fail(Cause::stamps, "{}: stamps lie more than 146 years apart ({} and {})", name,
-                first_.count(), all.back().count());
+  // Images and detections each may, and both together not.
+  if (const auto doubt = doubt_of_span(stamped)) {
+    return fail(Cause::stamps, "{}: {}", name, *doubt);
   }
-  std::vector<Stamp> periods;
-  for (const auto& entries : entries_) {
-    for (std::size_t i = 1; i < entries.size(); ++i) {
-      periods.push_back(entries[i].stamp - entries[i - 1].stamp);
-    }
+  auto usable = usable_tolerance(folder_.sync_tolerance, stamped, entries_.size());
+  folder_.sync_tolerance = usable.tolerance;
+  if (usable.note) {  // first: of very many only the first are shown
+    folder_.notes.insert(folder_.notes.begin(), fmt::format("{}: {}", name, *usable.note));
   }
+  std::vector<Stamp> periods = spacings_of(stamped);
   const Stamp period = periods.empty() ? std::chrono::milliseconds(100) : upper_median(periods);
   round_ = all.back() - first_ + period;
   return {};

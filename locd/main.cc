@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <csignal>
@@ -7,6 +5,7 @@
 #include <exception>
 #include <iostream>
 
+#include "core/base/standard_output.h"
 #include "core/base/usage_text.h"
 #include "locd/service/camera_list.h"
 #include "locd/service/daemon_command.h"
@@ -38,10 +37,11 @@ void add_daemon_options(CLI::App& app, DaemonOptions& daemon, bool& check) {
       ->needs(config);
 }
 
-/// The exit code that says how it went, and a line on stderr when it went wrong.
+/// The exit code that says how it went, and a line on stderr when it went wrong, also with what was
+/// printed.
 int report(const Status& status) {
-  if (status) return 0;
-  fmt::print(stderr, "{}\n", line_of(status.error(), "locd"));
+  if (status) return exit_code_after_output(0, "locd");
+  std::cerr << line_of(status.error(), "locd") << '\n';
   return status.error().exit_code();
 }
 
@@ -61,7 +61,7 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {
-    return app.exit(success);
+    return exit_code_after_output(app.exit(success), "locd");
   } catch (const CLI::ParseError& error) {
     app.exit(error, std::cerr, std::cerr);
     return static_cast<int>(ErrorKind::usage);
@@ -72,11 +72,10 @@ int run(int argc, char** argv) {
   }
   const bool replays = app.count("--replay") > 0;
   if (replays == (app.count("--config") > 0)) {
-    fmt::print(stderr,
-               "locd: --config FILE, --replay CAPTURE --map MAP or --list-cameras; see --help\n");
+    std::cerr << "locd: --config FILE, --replay CAPTURE --map MAP or --list-cameras; see --help\n";
     return static_cast<int>(ErrorKind::usage);
   }
-  if (check) return report(check_configuration(daemon));
+  if (check) return report(check_configuration(daemon, std::cout, std::cerr));
   if (!replays) return run_daemon(daemon);
   std::signal(SIGINT, request_stop);
   std::signal(SIGTERM, request_stop);

@@ -11,6 +11,7 @@
 #include "core/base/one_line.h"
 #include "core/base/parallel.h"
 #include "core/base/range.h"
+#include "core/base/standard_output.h"
 #include "core/base/usage_text.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/detect_command.h"
@@ -284,7 +285,7 @@ Command add_print(CLI::App& app) {
       ->capture_default_str();
   sub->add_option("-o,--output", options->output, "PDF to write")->excludes(advise);
   return [options, advice]() -> Status {
-    if (advice->asked) return run_print_advice(*advice, std::cout);
+    if (advice->asked) return run_print_advice(*advice, std::cout, std::cerr);
     if (options->output.empty()) return fail(ErrorKind::usage, "print: -o FILE.pdf is required");
     return run_print(*options, std::cout);
   };
@@ -322,16 +323,13 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(ErrorKind::usage);
+    const bool asked_for_help = app.exit(error) == 0;
+    return asked_for_help ? exit_code_after_output(0, app.get_name())
+                          : static_cast<int>(ErrorKind::usage);
   }
   const Status status = commands.at(app.get_subcommands().front()->get_name())();
-  if (status) {
-    std::cout.flush();
-    if (std::cout.good()) return 0;
-    fmt::print(stderr, "mapbuilder: can't write to standard output\n");
-    return static_cast<int>(ErrorKind::io);
-  }
-  fmt::print(stderr, "{}\n", line_of(status.error(), "mapbuilder"));
+  if (status) return exit_code_after_output(0, app.get_name());
+  std::cerr << line_of(status.error(), app.get_name()) << '\n';
   return status.error().exit_code();
 }
 

@@ -1,8 +1,9 @@
 #include "simulator/commands.h"
 
-#include <fmt/format.h>
+#include <fmt/ostream.h>
 
 #include <algorithm>
+#include <iostream>
 #include <map>
 #include <set>
 
@@ -15,7 +16,7 @@ namespace waymark::simulator {
 namespace {
 
 int report(const Error& error) {
-  fmt::print(stderr, "simulator: {}\n", error.message);
+  fmt::print(std::cerr, "simulator: {}\n", error.message);
   return error.exit_code();
 }
 
@@ -114,21 +115,21 @@ void add_detections_command(CLI::App& app, DetectionsOptions& options) {
 }
 
 int run_list() {
-  fmt::print("{:<12} {:<18} {:>7}  {:<16} {:>9}  {:<18} {:>6}\n", "scene", "title", "markers",
-             "sizes_m", "positions", "room_m", "way_m");
+  fmt::print(std::cout, "{:<12} {:<18} {:>7}  {:<16} {:>9}  {:<18} {:>6}\n", "scene", "title",
+             "markers", "sizes_m", "positions", "room_m", "way_m");
   for (const BuiltinScene& builtin : builtin_scenes()) {
     const auto scene = load_scene(std::string(builtin.name));
     if (!scene) return report(scene.error());
     std::set<double> sizes_m;
     for (const PlacedMarker& marker : scene->markers) sizes_m.insert(marker.size_m);
     const Eigen::Vector3d& room = scene->room_size_m;
-    fmt::print("{:<12} {:<18} {:>7}  {:<16} {:>9}  {:<18} {:>6.1f}\n", scene->name, scene->title,
-               scene->markers.size(), fmt::format("{}", fmt::join(sizes_m, " ")),
+    fmt::print(std::cout, "{:<12} {:<18} {:>7}  {:<16} {:>9}  {:<18} {:>6.1f}\n", scene->name,
+               scene->title, scene->markers.size(), fmt::format("{}", fmt::join(sizes_m, " ")),
                scene->trajectory.positions,
                fmt::format("{} x {} x {}", room.x(), room.y(), room.z()),
                Trajectory(scene->trajectory).length_m());
   }
-  fmt::print("rigs: mono cg60 cg120 cg180, or a camchain file\n");
+  fmt::print(std::cout, "rigs: mono cg60 cg120 cg180, or a camchain file\n");
   return 0;
 }
 
@@ -144,8 +145,8 @@ int run_render(const RenderOptions& options, const std::atomic<bool>& stop) {
   job.settings.jpeg_quality = jpeg_quality;
   const auto result = render_capture(*scene, *rig, job, options.output, stop);
   if (!result) return report(result.error());
-  fmt::print("{}: {} images, {:.1f} images/s\n", in_one_line(options.output), result->images,
-             static_cast<double>(result->images) / std::max(result->seconds, 1e-3));
+  fmt::print(std::cout, "{}: {} images, {:.1f} images/s\n", in_one_line(options.output),
+             result->images, static_cast<double>(result->images) / std::max(result->seconds, 1e-3));
   return 0;
 }
 
@@ -159,8 +160,8 @@ int run_detections(const DetectionsOptions& options, const std::atomic<bool>& st
   job.stamp_skew_sigma_s = options.stamp_skew_ms * 1e-3;
   const auto result = simulate_detections(*scene, *rig, job, options.output, stop);
   if (!result) return report(result.error());
-  fmt::print("{}: {} images, {} detections\n", in_one_line(options.output), result->images,
-             result->detections);
+  fmt::print(std::cout, "{}: {} images, {} detections\n", in_one_line(options.output),
+             result->images, result->detections);
   return 0;
 }
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "core/base/standard_output.h"
 #include "core/base/usage_text.h"
 #include "simulator/commands.h"
 
@@ -34,9 +35,12 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsage;
+    return app.exit(error) == 0 ? waymark::exit_code_after_output(0, "simulator") : kUsage;
   }
-  if (list->parsed()) return run_list();
-  if (app.got_subcommand("render")) return run_render(render_options, interrupted);
-  return run_detections(detections_options, interrupted);
+  const auto run = [&] {
+    if (list->parsed()) return run_list();
+    if (app.got_subcommand("render")) return run_render(render_options, interrupted);
+    return run_detections(detections_options, interrupted);
+  };
+  return waymark::exit_code_after_output(run(), "simulator");
 }

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/base/check.h"
+#include "core/base/is_there.h"
 #include "core/camera/kalibr.h"
 
 namespace waymark::simulator {
@@ -86,8 +87,7 @@ Expected<SimulatedRig> load_rig(const std::string& name_or_file) {
     return SimulatedRig{name_or_file, rig_looking(kHundredTwenty), false};
   if (name_or_file == "cg180") return SimulatedRig{name_or_file, rig_looking(kBackToBack), false};
   if (name_or_file == "mono") return SimulatedRig{name_or_file, rig_looking(kHundredTwenty), true};
-  std::error_code ignored;
-  if (!std::filesystem::exists(name_or_file, ignored)) {
+  if (!is_there(name_or_file)) {
     return fail(ErrorKind::no_input,
                 "rig \"{}\": neither a built-in rig (mono cg60 cg120 cg180) nor a camchain file",
                 name_or_file);

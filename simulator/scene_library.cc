@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/base/is_there.h"
 #include "simulator/scene_file.h"
 
 namespace waymark::simulator {
@@ -102,8 +103,7 @@ Expected<Scene> load_scene(const std::string& name_or_file) {
     }
     return parse_scene(aisles_scene(*aisles), name_or_file);
   }
-  std::error_code ignored;
-  if (!std::filesystem::exists(name_or_file, ignored)) {
+  if (!is_there(name_or_file)) {
     return fail(ErrorKind::no_input,
                 "scene \"{}\": neither a built-in scene ({} aislesN) nor a file", name_or_file,
                 fmt::join(names, " "));

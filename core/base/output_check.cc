@@ -1,5 +1,6 @@
 #include "core/base/output_check.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include "core/base/same_file.h"
@@ -8,13 +9,33 @@ namespace waymark {
 
 namespace fs = std::filesystem;
 
-Status check_writable(const fs::path& path) {
-  std::error_code failed;
-  if (fs::is_directory(path, failed)) {
-    return fail(ErrorKind::cant_create, "{}: can't write: it is a folder; name a file",
-                path.string());
+namespace {
+
+/// As long as the longest of these: ".rejected.info", ".capture12.3.cam10".
+constexpr std::size_t kLongestEnding = 24;
+
+/// By the limits of the file system that it would lie on.
+bool is_too_long(fs::path path) {
+  path += std::string(kLongestEnding, 'x');
+  std::error_code why;
+  static_cast<void>(fs::symlink_status(path, why));
+  return why == std::errc::filename_too_long;
+}
+
+tl::unexpected<Error> cant_write(const fs::path& path, std::string_view why) {
+  return fail(ErrorKind::cant_create, "{}: can't write: {}", path.string(), why);
+}
+
+}  // namespace
+
+Status check_place(const fs::path& path) {
+  if (path.empty()) return cant_write(path, "the name is empty");
+  if (is_too_long(path)) {
+    return cant_write(
+        path, fmt::format("the name is too long; {} bytes are room enough", 255 - kLongestEnding));
   }
   const auto folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+  std::error_code failed;
   const fs::file_status status = fs::status(folder, failed);
   if (status.type() == fs::file_type::none) {
     return fail(
@@ -22,14 +43,26 @@ Status check_writable(const fs::path& path) {
         "{}: can't write: folder {}: {}", path.string(), folder.string(), failed.message());
   }
   if (!fs::is_directory(status)) {
-    return fail(ErrorKind::cant_create, "{}: can't write: the folder {} does not exist; create it",
-                path.string(), folder.string());
+    return cant_write(path,
+                      fmt::format("the folder {} does not exist; create it", folder.string()));
   }
-  if (::access(folder.c_str(), W_OK) != 0) {
+  if (::faccessat(AT_FDCWD, folder.c_str(), W_OK | X_OK, AT_EACCESS) != 0) {
     return fail(ErrorKind::permission, "{}: can't write: no permission in the folder {}",
                 path.string(), folder.string());
   }
   return {};
+}
+
+Status check_writable(const fs::path& named) {
+  const auto path = behind_links(named);
+  if (!path) return cant_write(named, "links that lead in circles; name a file");
+  std::error_code ignored;
+  const fs::file_status status = fs::status(*path, ignored);
+  if (fs::is_directory(status)) return cant_write(*path, "it is a folder; name a file");
+  if (fs::exists(status) && !fs::is_regular_file(status)) {
+    return cant_write(*path, "it is no regular file; name a file");
+  }
+  return check_place(*path);
 }
 
 Status check_spares(const fs::path& output, const std::vector<fs::path>& inputs,

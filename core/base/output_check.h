@@ -7,8 +7,12 @@
 
 namespace waymark {
 
-/// Fails early, before long work, when `path` can't be written: its folder is absent or not
-/// writable, or it is a folder.
+/// Fails early, before long work, when nothing can be made at `path`: its folder is absent or not
+/// writable, or its name is so long that there is no room for the endings of what is written beside
+/// it (".rejected.info"): 231 bytes, where a name may have 255.
+[[nodiscard]] Status check_place(const std::filesystem::path& path);
+
+/// The same of a file, which may be there already; not as a folder or device.
 [[nodiscard]] Status check_writable(const std::filesystem::path& path);
 
 /// Fails (usage) when `output` would take the place of one of the `inputs`; `remedy` ends the line.

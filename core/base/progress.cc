@@ -1,10 +1,10 @@
 #include "core/base/progress.h"
 
-#include <fmt/format.h>
+#include <fmt/ostream.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
+#include <iostream>
 
 namespace waymark {
 namespace {
@@ -52,15 +52,15 @@ void Progress::draw(bool last) {
   const double elapsed_s = std::chrono::duration<double>(steady_clock::now() - started_).count();
   std::string count = total_ > 0 ? fmt::format("{}/{}", done_, total_) : fmt::format("{}", done_);
   if (!terminal_) {
-    fmt::print(stderr, "{}: {}{}{}, {:.0f} s\n", stage_, count, note_.empty() ? "" : ", ", note_,
+    fmt::print(std::cerr, "{}: {}{}{}, {:.0f} s\n", stage_, count, note_.empty() ? "" : ", ", note_,
                elapsed_s);
     return;
   }
   const std::size_t filled =
       total_ > 0 ? std::min(kBarWidth, kBarWidth * done_ / total_) : std::size_t{0};
-  fmt::print(stderr, "\r\033[K{} [{}{}] {} {:.1f} s {}{}", stage_, std::string(filled, '#'),
+  fmt::print(std::cerr, "\r\033[K{} [{}{}] {} {:.1f} s {}{}", stage_, std::string(filled, '#'),
              std::string(kBarWidth - filled, '.'), count, elapsed_s, note_, last ? "\n" : "");
-  std::fflush(stderr);
+  std::cerr.flush();
 }
 
 }  // namespace waymark

@@ -68,8 +68,10 @@ std::string TomlFields::text(std::string_view key, std::optional<std::string> fa
   const toml::node* node = find(key);
   if (node == nullptr && fallback) return *fallback;
   const auto value = node != nullptr ? node->value<std::string>() : std::nullopt;
-  if (!value) reject_at(node != nullptr ? *node : table_, fmt::format("{} must be a text", key));
-  return value.value_or("");
+  // What the system takes as a name ends at a NUL: another file would be meant.
+  const bool whole = value && value->find('\0') == std::string::npos;
+  if (!whole) reject_at(node != nullptr ? *node : table_, fmt::format("{} must be a text", key));
+  return whole ? *value : "";
 }
 
 std::size_t TomlFields::choice(std::string_view key,

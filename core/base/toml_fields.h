@@ -22,6 +22,7 @@ class TomlFields {
                 std::optional<double> fallback = std::nullopt);
   int integer(std::string_view key, int low, int high, std::optional<int> fallback = std::nullopt);
   bool boolean(std::string_view key, std::optional<bool> fallback = std::nullopt);
+  /// Without a NUL, at which names of files would end.
   std::string text(std::string_view key, std::optional<std::string> fallback = std::nullopt);
   /// One of `choices`: its index.
   std::size_t choice(std::string_view key, std::initializer_list<std::string_view> choices,

@@ -7,12 +7,18 @@
 #include <limits>
 #include <numbers>
 
+#include "core/base/range.h"
+
 namespace waymark {
 namespace {
 
 using Matrix23d = Eigen::Matrix<double, 2, 3>;
 using Matrix24d = Eigen::Matrix<double, 2, 4>;
 
+/// From images of a few pixels to the longest telescopes; the principal point may lie beside an
+/// image that was cropped.
+constexpr Range kFocal_px{1, 1e7};
+constexpr Range kPrincipal_px{-1e6, 1e6};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Largest angle from the axis (rad) of the pinhole models; beyond, pixels mean nothing.
 constexpr double kMaxPinholeAngle = 0.5 * std::numbers::pi - 1e-6;
@@ -267,9 +273,15 @@ Expected<CameraModel> CameraModel::create(const CameraParameters& p) {
   if (!all_finite(p)) {
     return fail(ErrorKind::bad_data, "camera intrinsics or distortion coefficients are not finite");
   }
-  if (p.fu_px <= 0 || p.fv_px <= 0) {
-    return fail(ErrorKind::bad_data, "camera focal lengths {}, {} px are not positive", p.fu_px,
-                p.fv_px);
+  const Status in_range = RangeCheck()
+                              .field("fu", p.fu_px, kFocal_px)
+                              .field("fv", p.fv_px, kFocal_px)
+                              .field("pu", p.pu_px, kPrincipal_px)
+                              .field("pv", p.pv_px, kPrincipal_px)
+                              .status();
+  if (!in_range) {
+    return fail(ErrorKind::bad_data, "camera focal lengths or principal point: {} px",
+                in_range.error().message);
   }
   const CameraModel model(p);
   const double half_diagonal = 0.5 * std::hypot(p.width_px, p.height_px);

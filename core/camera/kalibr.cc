@@ -14,6 +14,7 @@
 #include "core/camera/image_sizes.h"
 #include "core/camera/kalibr_camera.h"
 #include "core/camera/kalibr_sigmas.h"
+#include "core/camera/yaml_text.h"
 
 namespace waymark {
 namespace {
@@ -158,14 +159,12 @@ Expected<LoadedRig> read_camchain(const std::filesystem::path& path) {
 }
 
 Expected<LoadedRig> parse_camchain(const std::string& text, const std::string& name) {
-  if (text.size() > kMaxCamchainBytes) {
-    return fail(ErrorKind::bad_data, "{}: larger than {} bytes; this is not such a file", name,
-                kMaxCamchainBytes);
-  }
+  const auto root = parse_yaml(without_opencv_directive(text), name);
+  if (!root) return tl::make_unexpected(root.error());
   try {
-    return load(YAML::Load(without_opencv_directive(text)), name);
+    return load(*root, name);
   } catch (const YAML::Exception& bad) {
-    return fail(ErrorKind::bad_data, "{}: line {}: not valid YAML: {}", name, bad.mark.line + 1,
+    return fail(ErrorKind::bad_data, "{}: line {}: no camchain: {}", name, bad.mark.line + 1,
                 bad.msg);
   }
 }

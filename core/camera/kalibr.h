@@ -16,8 +16,12 @@ struct LoadedRig {
   std::vector<std::string> notes;
 };
 
-/// Larger is no rig.yaml: 200 cameras take 120 kB. The parser takes 240 bytes for each byte of
-/// lists that nobody reads, and bounds itself how deep they nest.
+/// No camera is further from its neighbour, and no vehicle's base from its rig; a larger number is
+/// one in mm.
+inline constexpr double kMaxBaseline_m = 100.0;
+
+/// Larger is no rig.yaml: 200 cameras take 120 kB. What the parser makes of it is bounded besides
+/// (yaml_text.h).
 inline constexpr std::size_t kMaxCamchainBytes = std::size_t{192} << 10;
 
 /// Reads a Kalibr camchain (rig.yaml). cam0…camN without gaps; T_cn_cnm1 is camera n from camera

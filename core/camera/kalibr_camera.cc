@@ -8,6 +8,7 @@
 #include <set>
 #include <string_view>
 
+#include "core/camera/kalibr.h"
 #include "core/camera/kalibr_sigmas.h"
 #include "core/geometry/decompositions.h"
 
@@ -18,8 +19,6 @@ namespace {
 constexpr double kMaxRotationError = 1e-3;
 /// Below this it is rounding, not worth a note.
 constexpr double kRoundingError = 1e-8;
-/// No lens or rig is further from its neighbour; a larger number is one in mm.
-constexpr double kMaxBaseline_m = 100.0;
 
 /// Largest element of |RᵀR − I|.
 double rotation_error(const Eigen::Matrix3d& r) {

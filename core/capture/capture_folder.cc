@@ -19,7 +19,7 @@ class FolderReader {
   Expected<CaptureFolder> read() {
     std::error_code ignored;
     if (!fs::is_directory(capture_.path, ignored)) {
-      return fail(ErrorKind::no_input, "{}: no such capture folder", capture_.path.string());
+      return absent(capture_.path, "no such capture folder");
     }
     for (const auto step :
          {&FolderReader::read_rig, &FolderReader::read_catalog, &FolderReader::read_capture_toml,

@@ -146,6 +146,7 @@ std::optional<TableDoubt> doubt_of_table(const DetectionsTable& table, const Cor
   std::vector<StampedImage> images;
   images.reserve(table.images.size());
   for (const ImageDetections& image : table.images) images.push_back({image.camera, image.stamp});
+  if (auto text = doubt_of_span(images)) return TableDoubt{Cause::stamps, std::move(*text)};
   if (auto text = doubt_of_stamps(images, monotonic)) {
     return TableDoubt{Cause::stamps, std::move(*text)};
   }

@@ -99,6 +99,10 @@ Status give_stamps(ImageList& list, bool several_cameras, bool monotonic) {
     take_in_order(list, "names are no stamps");
     return {};
   }
+  if (const auto doubt = doubt_of_span(stamped)) {
+    return fail(Cause::stamps, "{}: by the images' names {}",
+                list.images.front().path.parent_path().string(), *doubt);
+  }
   const auto doubt = doubt_of_stamps(stamped, monotonic);
   if (!doubt) return {};
   if (several_cameras) {

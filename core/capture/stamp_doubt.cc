@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <string_view>
 #include <vector>
 
 #include "core/base/median.h"
+#include "core/capture/sync_tolerance.h"
 
 namespace waymark {
 namespace {
@@ -41,27 +41,22 @@ const Unit* unit_of(Stamp stamp) {
   return unit == std::end(kUnits) ? nullptr : unit;
 }
 
-/// Between one camera's images that follow each other.
-std::vector<Stamp> spacings_of(std::span<const StampedImage> images) {
-  std::map<int, std::vector<Stamp>> by_camera;
-  for (const StampedImage& image : images) by_camera[image.camera].push_back(image.stamp);
-  std::vector<Stamp> spacings;
-  for (auto& [camera, stamps] : by_camera) {
-    std::sort(stamps.begin(), stamps.end());
-    stamps.erase(std::unique(stamps.begin(), stamps.end()), stamps.end());
-    for (std::size_t i = 1; i < stamps.size(); ++i) {
-      spacings.push_back(time_between(stamps[i - 1], stamps[i]));
-    }
-  }
-  return spacings;
-}
-
 std::string looks_like(const Unit& unit, Stamp example, Stamp spacing) {
   return fmt::format("the stamps look like {} ({}, {} apart); they are ns: multiply by {}",
                      unit.name, example.count(), spacing.count(), unit.factor);
 }
 
 }  // namespace
+
+std::optional<std::string> doubt_of_span(std::span<const StampedImage> images) {
+  if (images.empty()) return std::nullopt;
+  const auto [first, last] = std::minmax_element(
+      images.begin(), images.end(),
+      [](const StampedImage& a, const StampedImage& b) { return a.stamp < b.stamp; });
+  if (time_between(first->stamp, last->stamp) <= kLargestStamp) return std::nullopt;
+  return fmt::format("stamps lie more than 146 years apart ({} and {})", first->stamp.count(),
+                     last->stamp.count());
+}
 
 std::optional<std::string> doubt_of_stamps(std::span<const StampedImage> images, bool monotonic) {
   std::vector<Stamp> stamps;

@@ -16,4 +16,8 @@ namespace waymark {
 [[nodiscard]] std::optional<std::string> doubt_of_stamps(std::span<const StampedImage> images,
                                                          bool monotonic = false);
 
+/// Why the stamps can't be of one capture: from first to last more than 146 years, so that neither
+/// clock nor difference would hold them. nullopt where they can.
+[[nodiscard]] std::optional<std::string> doubt_of_span(std::span<const StampedImage> images);
+
 }  // namespace waymark

@@ -15,6 +15,8 @@ namespace {
 constexpr double kMaxSize_m = 100.0;
 /// Further from each other than any building's markers, and far from where a double loses µm.
 constexpr double kMaxPosition_m = 1e6;
+/// No image is wider.
+constexpr double kMaxRms_px = 1e6;
 constexpr double kMaxQuaternionError = 1e-6;
 /// Of a covariance's largest element: rounding of what was computed, or written and read as text.
 constexpr double kCovarianceRounding = 1e-9;
@@ -22,7 +24,7 @@ constexpr std::uint32_t kMaxCount = std::numeric_limits<std::int32_t>::max();
 
 bool is_size(double size_m) { return size_m > 0 && size_m <= kMaxSize_m; }
 
-bool is_rms(double rms_px) { return std::isfinite(rms_px) && rms_px >= 0; }
+bool is_rms(double rms_px) { return rms_px >= 0 && rms_px <= kMaxRms_px; }
 
 bool is_fingerprint(std::string_view text) {
   return text.size() == kFingerprintLength &&
@@ -32,7 +34,9 @@ bool is_fingerprint(std::string_view text) {
 /// What is wrong with the covariance, or nothing.
 std::string_view covariance_fault(const Matrix6d& covariance) {
   if (covariance.array().isNaN().all()) return {};
-  if (!covariance.allFinite()) return "covariance is not finite";
+  if (!(covariance.array().abs() <= kMaxPosition_m * kMaxPosition_m).all()) {
+    return "covariance is not finite or beyond (1000 km)²";
+  }
   const double rounding = kCovarianceRounding * covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding) {
     return "covariance is not symmetric";
@@ -61,7 +65,7 @@ std::string_view marker_fault(const MapMarker& marker) {
   if (marker.observations > kMaxCount || marker.rejected > kMaxCount) {
     return "number of observations is out of range";
   }
-  if (!is_rms(marker.rms_px)) return "RMS is negative or not finite";
+  if (!is_rms(marker.rms_px)) return "RMS is not within 0 and 1e6 px";
   return covariance_fault(marker.covariance);
 }
 

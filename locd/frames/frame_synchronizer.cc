@@ -67,7 +67,7 @@ void FrameSynchronizer::push(std::size_t camera, Frame frame, Stamp now) {
   WAYMARK_CHECK(camera < cameras_);
   Slot& slot = slots_[camera];
   slot.missed_sets = 0;  // it lives: the next sets wait for it
-  if (gone_until_ && frame.stamp() <= *gone_until_) {
+  if (slot.gone_until && frame.stamp() <= *slot.gone_until) {
     ++slot.dropped[static_cast<std::size_t>(DropReason::late)];
     return;
   }
@@ -106,11 +106,14 @@ std::optional<FrameSetLease> FrameSynchronizer::emit(CameraMask cameras) {
       continue;
     }
     first = std::min(first, slot.frame->stamp());
+    slot.gone_until = slot.frame->stamp();
     set.frames[c] = std::move(*slot.frame);
     slot.frame.reset();
     ++count;
   }
-  gone_until_ = first + options_.tolerance;
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    if (!set.has(c)) slots_[c].gone_until = first + options_.tolerance;
+  }
   if (count < options_.min_cameras) {
     for (std::size_t c = 0; c < cameras_; ++c) {
       if (set.has(c)) drop(slots_[c], DropReason::too_few);

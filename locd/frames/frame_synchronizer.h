@@ -97,6 +97,9 @@ class FrameSynchronizer {
   struct Slot {
     std::optional<Frame> frame;
     Stamp arrived{0};
+    /// Its frames up to here are late: the last one that went in a set, or, where a set went
+    /// without this camera, all that belonged to that.
+    std::optional<Stamp> gone_until;
     int missed_sets = 0;
     DropCounts dropped{};
   };
@@ -111,7 +114,6 @@ class FrameSynchronizer {
   SyncOptions options_;
   std::array<Slot, kMaxCameras> slots_;
   std::uint64_t sequence_ = 0;
-  std::optional<Stamp> gone_until_;  ///< stamps up to here belong to sets that went
 };
 
 }  // namespace waymark

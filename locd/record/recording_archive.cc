@@ -1,5 +1,8 @@
 #include "locd/record/recording_archive.h"
 
+#include <fcntl.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -29,6 +32,22 @@ Expected<fs::path> new_recording_folder(const fs::path& archive) {
   if (!failed) return folder;
   errno = failed.value();
   return fail(creation_error(), "{}: can't create: {}", folder.string(), system_reason());
+}
+
+Expected<std::optional<std::string>> check_archive(const fs::path& archive) {
+  std::error_code why;
+  fs::path place = fs::absolute(archive, why).lexically_normal();
+  // Up to what is there.
+  while (fs::symlink_status(place, why).type() == fs::file_type::not_found &&
+         place.has_relative_path()) {
+    place = place.parent_path();
+  }
+  if (!fs::is_directory(place, why)) {
+    return fail(ErrorKind::config, "[record] dir {}: {} is no folder{}", archive.string(),
+                place.string(), why ? ": " + why.message() : "");
+  }
+  if (::faccessat(AT_FDCWD, place.c_str(), W_OK | X_OK, AT_EACCESS) == 0) return std::nullopt;
+  return fmt::format("{}: recordings go there, and this user may not write there", place.string());
 }
 
 namespace {

@@ -22,6 +22,12 @@ namespace waymark {
 [[nodiscard]] Expected<std::filesystem::path> new_recording_folder(
     const std::filesystem::path& archive);
 
+/// Whether recordings can go to an archive that may have to be made: config where a part of its
+/// path is no folder or can't be one. A note where this process (which need not be the service's
+/// user) may not write there.
+[[nodiscard]] Expected<std::optional<std::string>> check_archive(
+    const std::filesystem::path& archive);
+
 /// What was recorded earlier and shares a budget with the recording that is being made: the other
 /// recordings of its archive, that whose newest image is oldest first, and then what its own folder
 /// held before. It is looked through in a thread of its own, for that takes long where much lies on

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/toml_fields.h"
+#include "core/camera/kalibr.h"
 #include "drivers/camera_options.h"
 #include "locd/frames/frame_synchronizer.h"
 #include "locd/frames/stamp_guard.h"
@@ -94,6 +95,13 @@ class ConfigReader {
       fields.reject("base_from_rig",
                     "base_from_rig must be 4 rows of 4 numbers: a rotation, a "
                     "translation in m, and 0 0 0 1 below");
+      return;
+    }
+    if (matrix.topRightCorner<3, 1>().norm() > kMaxBaseline_m) {
+      fields.reject("base_from_rig",
+                    fmt::format("base_from_rig: the base is further than {} m from the rig; it "
+                                "must be in metres; is it in millimetres?",
+                                kMaxBaseline_m));
       return;
     }
     config_.rig.base_from_rig = {Eigen::Quaterniond(rotation).normalized(),

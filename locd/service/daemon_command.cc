@@ -1,6 +1,6 @@
 #include "locd/service/daemon_command.h"
 
-#include <fmt/format.h>
+#include <fmt/ostream.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/signalfd.h>
@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <iostream>
 #include <utility>
 
 #include "core/base/notes.h"
@@ -17,6 +16,7 @@
 #include "locd/frames/realtime.h"
 #include "locd/publish/multicast_route.h"
 #include "locd/record/recorder.h"
+#include "locd/record/recording_archive.h"
 #include "locd/service/camera_check.h"
 #include "locd/service/camera_sources.h"
 #include "locd/service/instance_lock.h"
@@ -153,21 +153,28 @@ int run_daemon(const DaemonOptions& options) {
   return end(*daemon, served ? 0 : report_failure(served.error()));
 }
 
-Status check_configuration(const DaemonOptions& options) {
+Status check_configuration(const DaemonOptions& options, std::ostream& out, std::ostream& notes) {
   const auto setup = load_setup(options.config);
   if (!setup) return tl::make_unexpected(setup.error());
   const auto sources = make_sources(*setup);
   if (!sources) return tl::make_unexpected(sources.error());
   for (const std::string& note : shown_notes(setup->notes)) {
-    fmt::print(stderr, "{}\n", note_line(note));
+    fmt::print(notes, "{}\n", note_line(note));
   }
-  fmt::print("{}\n", describe_route(*parse_lcm_url(setup->config.lcm.url)));
-  if (setup->key)
-    fmt::print("poses are signed with {}\n", in_one_line(setup->config.lcm.key_file.string()));
+  if (const auto& dir = setup->config.record.dir; !dir.empty()) {
+    const auto note = check_archive(dir);
+    if (!note) return tl::make_unexpected(note.error());
+    if (*note) fmt::print(notes, "{}\n", note_line(in_one_line(**note)));
+  }
+  fmt::print(out, "{}\n", describe_route(*parse_lcm_url(setup->config.lcm.url)));
+  if (setup->key) {
+    fmt::print(out, "poses are signed with {}\n", in_one_line(setup->config.lcm.key_file.string()));
+  }
   const auto owner = InstanceLock::holder(lock_file(options));
-  if (auto checked = check_cameras(*sources, owner, std::cout); !checked) return checked;
-  fmt::print("{}: {} cameras, {} markers{}; all is well\n", options.config.string(),
-             setup->rig.cameras.size(), setup->map ? setup->map->submaps.front().markers.size() : 0,
+  if (auto checked = check_cameras(*sources, owner, out); !checked) return checked;
+  fmt::print(out, "{}: {} cameras, {} markers{}; all is well\n",
+             in_one_line(options.config.string()), setup->rig.cameras.size(),
+             setup->map ? setup->map->submaps.front().markers.size() : 0,
              setup->map ? ", map " + setup->map_hash : std::string(", no map"));
   return {};
 }

@@ -60,7 +60,13 @@ class ReplayOutput {
     }
   }
 
-  [[nodiscard]] Status finish(std::ostream& out) const {
+  [[nodiscard]] Status finish(const DropCounts& dropped, std::ostream& out) const {
+    const ReplayCapture::Unusable unusable = capture_.unusable();
+    const std::size_t sets = by_status_[0] + by_status_[1] + by_status_[2] + by_status_[3];
+    if (unusable.images > 0 && sets == 0) {
+      return fail(ErrorKind::bad_data, "{}: no image of {} can be used; the first: {}",
+                  capture_.folder().path.string(), unusable.images, unusable.first_reason);
+    }
     if (options_.trajectory) {
       const auto written = write_file_atomically(*options_.trajectory, format_tum(trajectory_));
       if (!written) return written;
@@ -68,15 +74,13 @@ class ReplayOutput {
     if (options_.table) {
       if (auto written = write_file_atomically(*options_.table, table_); !written) return written;
     }
-    const ReplayCapture::Unusable unusable = capture_.unusable();
-    const std::size_t sets = by_status_[0] + by_status_[1] + by_status_[2] + by_status_[3];
-    if (unusable.images > 0 && sets == 0) {
-      return fail(ErrorKind::bad_data, "{}: no image of {} can be used; the first: {}",
-                  capture_.folder().path.string(), unusable.images, unusable.first_reason);
-    }
     if (unusable.images > 0) {
       fmt::print(notes_, "note: {} images left out; the first: {}\n", unusable.images,
                  unusable.first_reason);
+    }
+    if (const std::string why = drops_by_reason(dropped); !why.empty()) {
+      fmt::print(notes_,
+                 "note: frames that came into no pose: {} (docs/operations.md tells them)\n", why);
     }
     fmt::print(out, "{} frame sets: {} OK, {} DEGRADED, {} AMBIGUOUS, {} LOST\n", sets,
                by_status_[0], by_status_[1], by_status_[2], by_status_[3]);
@@ -89,6 +93,16 @@ class ReplayOutput {
   }
 
  private:
+  /// "late 3, overtaken 1"; empty where none was dropped.
+  static std::string drops_by_reason(const DropCounts& dropped) {
+    std::vector<std::string> parts;
+    for (std::size_t r = 0; r < dropped.size(); ++r) {
+      if (dropped[r] == 0) continue;
+      parts.push_back(fmt::format("{} {}", name_of(static_cast<DropReason>(r)), dropped[r]));
+    }
+    return fmt::format("{}", fmt::join(parts, ", "));
+  }
+
   /// "SIGMA 12, CAMERA_MISSING 3"; empty when every set was OK.
   [[nodiscard]] std::string reasons_by_count() const {
     std::vector<std::size_t> order;
@@ -123,12 +137,16 @@ SyncOptions sync_options(const CaptureFolder& folder) {
 
 using TakeSet = std::function<void(FrameSetLease&)>;
 
-/// Every set, in the order of stamps, which are the only clock.
-void play_all(const std::shared_ptr<ReplayCapture>& capture, const std::atomic<bool>& stop,
-              const TakeSet& take_set) {
+void add(const DropCounts& more, DropCounts& sum) {
+  for (std::size_t r = 0; r < sum.size(); ++r) sum[r] += more[r];
+}
+
+/// Every set, in the order of stamps, which are the only clock. Gives what was dropped.
+DropCounts play_all(const std::shared_ptr<ReplayCapture>& capture, const std::atomic<bool>& stop,
+                    const TakeSet& take_set) {
   auto sources = ReplayCapture::sources(capture);
   SyncOptions options = sync_options(capture->folder());
-  options.deadline = std::max<Stamp>(options.tolerance + Stamp(1), std::chrono::milliseconds(1));
+  options.deadline = std::max(options.deadline, options.tolerance + Stamp(1));
   options.leave_after_sets = 0;
   FrameSynchronizer synchronizer(sources.size(), options);
   std::vector<std::optional<Frame>> next(sources.size());
@@ -150,17 +168,22 @@ void play_all(const std::shared_ptr<ReplayCapture>& capture, const std::atomic<b
     }
     if (!earliest) break;
     const Stamp now = next[*earliest]->stamp();
-    take_ready(now);
+    // What comes now or later no longer belongs to the frames that are held.
+    const auto due = synchronizer.next_deadline();
+    if (due && now > *due - options.deadline + options.tolerance) take_ready(Stamp::max());
     synchronizer.push(*earliest, std::move(*next[*earliest]), now);
     fetch(*earliest);
     take_ready(now);
   }
   if (!stop) take_ready(Stamp::max());
+  DropCounts dropped{};
+  for (std::size_t c = 0; c < sources.size(); ++c) add(synchronizer.dropped(c), dropped);
+  return dropped;
 }
 
 /// At the capture's own pace: what comes too late for the solver is dropped, as from cameras.
-void play_in_real_time(const std::shared_ptr<ReplayCapture>& capture, const std::atomic<bool>& stop,
-                       const TakeSet& take_set) {
+DropCounts play_in_real_time(const std::shared_ptr<ReplayCapture>& capture,
+                             const std::atomic<bool>& stop, const TakeSet& take_set) {
   constexpr Stamp kLookAtStop = std::chrono::milliseconds(100);
   RigCapture rig(ReplayCapture::sources(capture), sync_options(capture->folder()));
   rig.start();
@@ -168,6 +191,11 @@ void play_in_real_time(const std::shared_ptr<ReplayCapture>& capture, const std:
     if (auto set = rig.wait(monotonic_now() + kLookAtStop)) take_set(*set);
   }
   rig.stop();
+  DropCounts dropped{};
+  for (std::size_t c = 0; c < capture->folder().rig.cameras.size(); ++c) {
+    add(rig.state(c).dropped, dropped);
+  }
+  return dropped;
 }
 
 Status check_rig(const CaptureFolder& folder) {
@@ -239,8 +267,9 @@ Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& 
     localizer.localize(set, estimate);
     output.take(estimate, localizer.alerts());
   };
-  (options.realtime ? play_in_real_time : play_all)(*capture, stop, take_set);
-  return output.finish(out);
+  const DropCounts dropped =
+      (options.realtime ? play_in_real_time : play_all)(*capture, stop, take_set);
+  return output.finish(dropped, out);
 }
 
 }  // namespace waymark

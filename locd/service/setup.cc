@@ -8,6 +8,7 @@
 #include "core/base/atomic_file.h"
 #include "core/camera/kalibr.h"
 #include "core/camera/rig_parameters.h"
+#include "core/capture/sync_tolerance.h"
 #include "core/map/map_file.h"
 #include "core/marker/image_families.h"
 #include "core/marker/marker_catalog.h"
@@ -44,6 +45,18 @@ Status match_cameras(Setup& setup) {
   }
   setup.config.cameras = std::move(by_rig);
   return {};
+}
+
+/// What frames that come as often as the configuration says can be paired by.
+void fit_sync_tolerance(Setup& setup) {
+  double fps = 0;
+  for (const Config::Camera& camera : setup.config.cameras) fps = std::max(fps, camera.fps);
+  if (fps <= 0) return;
+  const auto usable = usable_tolerance(from_us(setup.config.sync.tolerance_us), from_us(1e6 / fps),
+                                       setup.config.cameras.size());
+  if (!usable.note) return;
+  setup.config.sync.tolerance_us = in_us(usable.tolerance);
+  setup.notes.push_back("[sync] tolerance_us: " + *usable.note);
 }
 
 Status check_rig(const Setup& setup) {
@@ -171,6 +184,7 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
     if (auto done = step(setup); !done) return tl::make_unexpected(done.error());
   }
   if (auto checked = check_rig(setup); !checked) return tl::make_unexpected(checked.error());
+  fit_sync_tolerance(setup);
   note_who_hears(setup);
   if (setup.markers_toml.empty()) {
     setup.notes.emplace_back(

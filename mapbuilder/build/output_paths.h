@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace waymark {
 
@@ -40,6 +41,20 @@ namespace waymark {
   std::filesystem::path rejected = map;
   rejected += ".rejected";
   return rejected;
+}
+
+/// MAP.info: what mapbuilder knows of a map beside what it holds.
+[[nodiscard]] inline std::filesystem::path info_path(const std::filesystem::path& map) {
+  std::filesystem::path info = map;
+  info += ".info";
+  return info;
+}
+
+/// What may be written beside a map.
+[[nodiscard]] inline std::vector<std::filesystem::path> paths_beside_map(
+    const std::filesystem::path& map) {
+  const std::filesystem::path rejected = rejected_path(map);
+  return {info_path(map), rejected, info_path(rejected)};
 }
 
 }  // namespace waymark

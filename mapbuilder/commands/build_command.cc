@@ -87,6 +87,13 @@ Status check_outputs(const BuildCommandOptions& options) {
         {options.survey, options.quarantine, i == 0 ? std::nullopt : options.frame_of}, remedy);
     if (!spares) return spares;
   }
+  for (const fs::path& beside : paths_beside_map(options.output)) {
+    auto spares = check_spares_input(beside, options.input,
+                                     {options.survey, options.quarantine, options.frame_of});
+    if (!spares) return spares;
+    if (auto writable = check_writable(beside); !writable) return writable;
+    outputs.push_back(beside);
+  }
   if (auto differ = check_differ(outputs, "map, trajectory and refined rig (--refined-rig)");
       !differ) {
     return differ;
@@ -312,6 +319,10 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
     print_findings(findings, notes);
     return tl::make_unexpected(
         refusal_of(options.output.string(), findings, "nothing was built of such input"));
+  }
+  if (auto any = check_any_seen(*made, options.input.paths.front()); !any) {
+    print_findings(findings, notes);
+    return any;
   }
 
   BuildOptions build = options.build;

@@ -46,4 +46,9 @@ struct TakenCaptures {
 [[nodiscard]] Expected<TakenCaptures> take_captures_in(const CaptureInput& input,
                                                        Progress& progress, std::ostream& notes);
 
+/// bad_data where nothing at all was seen of markers: no long work could make anything of it, and a
+/// pose of each image would take a thousand bytes. `capture` begins the line.
+[[nodiscard]] Status check_any_seen(const Observations& observations,
+                                    const std::filesystem::path& capture);
+
 }  // namespace waymark

@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "core/base/atomic_file.h"
+#include "core/base/notes.h"
 #include "core/base/output_check.h"
 #include "core/map/map_export.h"
 #include "core/map/map_file.h"
@@ -31,6 +32,7 @@ Status run_export(const ExportOptions& options, std::ostream& notes) {
     return fail(ErrorKind::usage, "unknown format '{}'; known are tum, json, csv, ply",
                 options.format);
   }
+  if (auto writable = check_writable(options.output); !writable) return writable;
   const auto map = read_map_file(options.map);
   if (!map) return tl::make_unexpected(map.error());
   const std::size_t files = format ? map->submaps.size() : 1;
@@ -39,12 +41,14 @@ Status run_export(const ExportOptions& options, std::ostream& notes) {
     if (!spares) return spares;
   }
   if (!format) return write_file_atomically(options.output, format_map_json(*map));
+  std::vector<std::string> places;
   for (std::size_t i = 0; i < map->submaps.size(); ++i) {
     const std::filesystem::path path = path_of_submap(options.output, i);
     auto status = write_file_atomically(path, format(map->submaps[i], map->several_families()));
     if (!status) return status;
-    if (i > 0) print_line(notes, "sub-map {} is in {}", i, path.string());
+    if (i > 0) places.push_back(fmt::format("sub-map {} is in {}", i, path.string()));
   }
+  for (const std::string& place : shown_notes(places)) print_line(notes, "{}", place);
   return {};
 }
 

@@ -9,6 +9,7 @@ namespace waymark {
 
 Status run_import(const ImportOptions& options, std::ostream& out) {
   if (auto spares = check_spares(options.output, {options.json}); !spares) return spares;
+  if (auto writable = check_writable(options.output); !writable) return writable;
   const auto map = read_map_json(options.json);
   if (!map) return tl::make_unexpected(map.error());
   if (auto status = write_map_file(options.output, *map); !status) return status;

@@ -126,6 +126,10 @@ Status run_localize(const LocalizeOptions& options, Progress& progress, std::ost
     if (auto stands = tell(); !stands) return stands;
     findings.clear();
   }
+  if (auto any = check_any_seen(*made, options.input.paths.front()); !any) {
+    print_findings(judged(std::move(findings), options.rules), notes);
+    return any;
+  }
 
   BuildOptions build = options.build;
   build.threads = options.input.detect.threads;

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "core/base/atomic_file.h"
 #include "core/base/is_there.h"
+#include "core/base/notes.h"
 #include "core/base/output_check.h"
 #include "core/base/range.h"
 #include "core/base/same_file.h"
@@ -34,12 +36,24 @@ Expected<Family> family_named(const std::string& name) {
               fmt::join(names, ", "));
 }
 
-Expected<std::vector<int>> numbers_of(const std::string& ids, Family family) {
+/// The ids of one batch. Each is named once in all, so that a family bounds how many there are.
+Expected<std::vector<int>> numbers_of(const std::string& ids, Family family, double size_m,
+                                      std::map<MarkerId, double>& named) {
   const auto ranges = parse_id_ranges(ids, family);
   if (!ranges) return fail(ErrorKind::usage, "--ids {}: {}", ids, ranges.error().message);
   std::vector<int> numbers;
   for (const IdRange& range : *ranges) {
-    for (int id = range.first; id <= range.last; ++id) numbers.push_back(id);
+    for (int id = range.first; id <= range.last; ++id) {
+      const auto [known, is_new] = named.emplace(MarkerId{family, id}, size_m);
+      if (!is_new && known->second != size_m) {
+        return fail(ErrorKind::usage, "--ids: {} {} would have two sizes, {} and {} m",
+                    name_of(family), id, known->second, size_m);
+      }
+      if (!is_new) {
+        return fail(ErrorKind::usage, "--ids: {} {} is named twice", name_of(family), id);
+      }
+      numbers.push_back(id);
+    }
   }
   return numbers;
 }
@@ -58,23 +72,24 @@ Expected<std::vector<MarkerBatch>> batches_of(const PrintOptions& options) {
                 "print: give --ids, and --family and --size-m once for all or as often as --ids");
   }
   std::vector<MarkerBatch> batches;
+  std::map<MarkerId, double> named;
   for (std::size_t k = 0; k < count; ++k) {
     const auto family = family_named(of_batch(options.families, k));
     if (!family) return tl::make_unexpected(family.error());
-    auto numbers = numbers_of(options.ids[k], *family);
-    if (!numbers) return tl::make_unexpected(numbers.error());
     const double size_m = of_batch(options.sizes_m, k);
     if (!kPrintedSize_m.contains(size_m)) {
       return fail(ErrorKind::usage, "--size-m {}: must lie within {} and {} m", size_m,
                   kPrintedSize_m.low, kPrintedSize_m.high);
     }
+    auto numbers = numbers_of(options.ids[k], *family, size_m, named);
+    if (!numbers) return tl::make_unexpected(numbers.error());
     batches.push_back({*family, std::move(*numbers), size_m});
   }
   return batches;
 }
 
-/// markers.toml of what is printed; usage where one id would have two sizes.
-Expected<MarkerCatalog> catalog_of(const std::vector<MarkerBatch>& batches) {
+/// markers.toml of what is printed.
+MarkerCatalog catalog_of(const std::vector<MarkerBatch>& batches) {
   std::vector<MarkerCatalog::FamilyEntry> entries;
   for (const MarkerBatch& batch : batches) {
     auto entry = std::find_if(entries.begin(), entries.end(),
@@ -83,13 +98,7 @@ Expected<MarkerCatalog> catalog_of(const std::vector<MarkerBatch>& batches) {
       entries.push_back({batch.family, {}, {}, {}});
       entry = entries.end() - 1;
     }
-    for (const int number : batch.numbers) {
-      const auto [known, added] = entry->size_m_by_id.emplace(number, batch.size_m);
-      if (!added && known->second != batch.size_m) {
-        return fail(ErrorKind::usage, "--ids: {} {} would have two sizes, {} and {} m",
-                    name_of(batch.family), number, known->second, batch.size_m);
-      }
-    }
+    for (const int number : batch.numbers) entry->size_m_by_id.emplace(number, batch.size_m);
   }
   return MarkerCatalog(std::move(entries));
 }
@@ -130,8 +139,7 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
   if (!paper) return tl::make_unexpected(paper.error());
   const auto batches = batches_of(options);
   if (!batches) return tl::make_unexpected(batches.error());
-  const auto catalog = catalog_of(*batches);
-  if (!catalog) return tl::make_unexpected(catalog.error());
+  const MarkerCatalog catalog = catalog_of(*batches);
   if (auto writable = check_writable(options.output); !writable) return writable;
   const auto markers_toml = options.output.parent_path() / "markers.toml";
   if (is_same_file(options.output, markers_toml)) {
@@ -155,7 +163,7 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
         "as long\n# as it says, state what it measures by what it should beside the family, such "
         "as "
         "print_scale = 0.985.\n" +
-        format_marker_catalog(*catalog);
+        format_marker_catalog(catalog);
     if (auto written = write_file_atomically(markers_toml, text); !written) return written;
   }
   if (auto written = write_file_atomically(options.output, *pdf); !written) {
@@ -171,7 +179,7 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
   return {};
 }
 
-Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out) {
+Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out, std::ostream& notes) {
   if (options.rig.empty())
     return fail(ErrorKind::usage, "print --advise: --rig RIG.yaml is required");
   if (!kAdviceRange_m.contains(options.range_m)) {
@@ -180,6 +188,9 @@ Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out) {
   }
   const auto rig = read_camchain(options.rig);
   if (!rig) return tl::make_unexpected(rig.error());
+  for (const std::string& note : shown_notes(rig->notes)) {
+    fmt::print(notes, "{}\n", note_line(note));
+  }
   fmt::print(out, "{}", advice_text(print_advice(rig->rig, options.range_m), options.range_m));
   return {};
 }

@@ -29,12 +29,13 @@ struct PrintAdviceOptions {
 
 /// Writes the markers as a PDF, and markers.toml beside it; where one lies there already it stays,
 /// and must state the same sizes for what is printed. Errors: usage (an unknown family, ids outside
-/// of it or none, sizes outside 0.005–5 m, as many families or sizes as fit no ids); bad_data where
-/// markers.toml says otherwise; those of write_file_atomically.
+/// of it, none or twice, sizes outside 0.005–5 m, as many families or sizes as fit no ids);
+/// bad_data where markers.toml says otherwise; those of write_file_atomically.
 [[nodiscard]] Status run_print(const PrintOptions& options, std::ostream& out);
 
-/// Says which size the rig's cameras need. usage for a range outside kAdviceRange_m; errors of
-/// reading the rig.
-[[nodiscard]] Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out);
+/// Says which size the rig's cameras need, and in `notes` what is to be told of its file. usage for
+/// a range outside kAdviceRange_m; errors of reading the rig.
+[[nodiscard]] Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out,
+                                      std::ostream& notes);
 
 }  // namespace waymark

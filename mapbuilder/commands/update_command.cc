@@ -41,6 +41,11 @@ Status check_outputs(const UpdateCommandOptions& options) {
       !spares) {
     return spares;
   }
+  for (const fs::path& beside : paths_beside_map(options.output)) {
+    auto spares = check_spares_input(beside, options.input, {options.old_map, options.quarantine});
+    if (!spares) return spares;
+    if (auto writable = check_writable(beside); !writable) return writable;
+  }
   if (options.report) return check_report_folder(*options.report);
   return {};
 }
@@ -203,6 +208,10 @@ Status run_update(const UpdateCommandOptions& options, Progress& progress, std::
     print_findings(findings, notes);
     return tl::make_unexpected(
         refusal_of(result_name, findings, "nothing was built of such input"));
+  }
+  if (auto any = check_any_seen(*made, options.input.paths.front()); !any) {
+    print_findings(findings, notes);
+    return any;
   }
 
   BuildOptions build = options.build;

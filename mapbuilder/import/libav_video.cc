@@ -12,6 +12,7 @@ extern "C" {
 #include <system_error>
 #include <utility>
 
+#include "core/base/is_there.h"
 #include "core/capture/frame_set.h"
 #include "mapbuilder/import/video_module.h"
 
@@ -73,7 +74,7 @@ class Video {
   static Expected<Video> open(int camera, const fs::path& path, const CameraParameters& expected) {
     std::error_code ignored;
     if (!fs::is_regular_file(path, ignored)) {
-      return fail(ErrorKind::no_input, "{}: no such video file", path.string());
+      return absent(path, "no such video file");
     }
     Video video;
     video.camera_ = camera;

@@ -8,6 +8,7 @@
 #include "core/base/parallel.h"
 #include "core/capture/detections_csv.h"
 #include "core/capture/image_file.h"
+#include "core/capture/sync_tolerance.h"
 #include "core/marker/image_families.h"
 #include "mapbuilder/observations/edge_correction.h"
 
@@ -184,6 +185,18 @@ std::string detector_name(DetectorEngine engine) {
   return fmt::format("{}-{}", kDetector, name_of(engine));
 }
 
+void fit_sync_tolerance(DetectedCapture& capture, DetectionReport& report) {
+  std::vector<StampedImage> images;
+  images.reserve(capture.images.size());
+  for (const ImageDetections& image : capture.images) images.push_back({image.camera, image.stamp});
+  auto usable = usable_tolerance(capture.sync_tolerance, images, capture.rig.cameras.size());
+  capture.sync_tolerance = usable.tolerance;
+  if (!usable.note) return;
+  // First: of very many only the first are shown.
+  report.warnings.insert(report.warnings.begin(),
+                         fmt::format("{}: {}", capture.name, *usable.note));
+}
+
 Expected<ImageDetectorOptions> image_detector_options(const MarkerCatalog& catalog,
                                                       DetectorEngine engine,
                                                       const std::string& name) {
@@ -201,9 +214,11 @@ Expected<ImageDetectorOptions> image_detector_options(const MarkerCatalog& catal
 Expected<DetectedCapture> detect_capture(const CaptureFolder& capture,
                                          const DetectCaptureOptions& options, Progress& progress,
                                          DetectionReport& report) {
-  if (capture.detections_csv && !options.redetect) return from_csv(capture, report);
-  auto detected = from_images(capture, options, progress, report);
-  if (detected && options.correct_edges) {
+  const bool by_csv = capture.detections_csv && !options.redetect;
+  auto detected =
+      by_csv ? from_csv(capture, report) : from_images(capture, options, progress, report);
+  if (detected) fit_sync_tolerance(*detected, report);
+  if (detected && !by_csv && options.correct_edges) {
     report.edges = correct_edges(capture, *detected, options.threads, progress);
   }
   return detected;

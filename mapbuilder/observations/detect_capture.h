@@ -39,6 +39,10 @@ struct DetectionReport {
 /// detections.csv.
 [[nodiscard]] std::string detector_name(DetectorEngine engine);
 
+/// Makes a capture's sync tolerance one that pairs its images rightly (usable_tolerance), and tells
+/// it.
+void fit_sync_tolerance(DetectedCapture& capture, DetectionReport& report);
+
 /// An image detector for a catalog, of which some family is found in images (checked). usage where
 /// the engine does not know one of its families; `name` stands for catalog or capture there.
 [[nodiscard]] Expected<ImageDetectorOptions> image_detector_options(const MarkerCatalog& catalog,

@@ -100,6 +100,7 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture,
   progress.end();
   report.warnings.insert(report.warnings.end(), (*source)->notes().begin(),
                          (*source)->notes().end());
+  fit_sync_tolerance(detected, report);
   return detected;
 }
 

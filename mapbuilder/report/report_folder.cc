@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/atomic_file.h"
+#include "core/base/output_check.h"
 #include "mapbuilder/report/report_page.h"
 #include "mapbuilder/report/summary_json.h"
 
@@ -71,17 +72,7 @@ Status check_report_folder(const fs::path& named) {
                 "which is left alone; name another",
                 folder.string());
   }
-  const fs::path parent = parent_of(folder);
-  if (!fs::is_directory(parent, ignored)) {
-    return fail(ErrorKind::cant_create,
-                "{}: can't write a report: the folder {} does not exist; create it",
-                folder.string(), parent.string());
-  }
-  if (::access(parent.c_str(), W_OK) != 0) {
-    return fail(ErrorKind::permission, "{}: can't write a report: no permission in the folder {}",
-                folder.string(), parent.string());
-  }
-  return {};
+  return check_place(folder);
 }
 
 ReportFolder::ReportFolder(fs::path folder, fs::path temporary)

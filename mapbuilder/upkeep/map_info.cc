@@ -2,7 +2,9 @@
 
 #include <xxhash.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "core/base/atomic_file.h"
@@ -46,6 +48,33 @@ class ByteReader {
 
 std::uint64_t hash_of(std::string_view body) { return XXH3_64bits(body.data(), body.size()); }
 
+/// Whether the blocks can be parts of an information matrix: diagonals of no sigma below a
+/// picometre, symmetric, and no element larger than its two diagonal ones allow (|m_ij|² ≤ m_ii
+/// m_jj).
+bool can_be_information(const MarkerSystem& system) {
+  constexpr double kMost = 1e24;
+  constexpr double kRounding = 1e-6;  // of the largest
+  std::vector<Vector6d> diagonals;
+  double largest = 0;
+  for (const auto& [at, block] : system.blocks) {
+    if (at.first != at.second) continue;
+    diagonals.push_back(block.diagonal());
+    largest = std::max(largest, block.diagonal().maxCoeff());
+  }
+  if (largest > kMost) return false;
+  for (const auto& [at, block] : system.blocks) {
+    const Vector6d rows = diagonals[static_cast<std::size_t>(at.first)].cwiseMax(0).cwiseSqrt();
+    const Vector6d columns = diagonals[static_cast<std::size_t>(at.second)].cwiseMax(0).cwiseSqrt();
+    const Matrix6d most = (rows * columns.transpose()).array() + kRounding * largest;
+    if (!(block.array().abs() <= most.array()).all()) return false;
+    if (at.first == at.second &&
+        (block - block.transpose()).cwiseAbs().maxCoeff() > kRounding * largest) {
+      return false;
+    }
+  }
+  return true;
+}
+
 bool read_system(ByteReader& reader, const SubMap& submap, MarkerSystem& system) {
   std::uint32_t markers = 0;
   std::uint32_t blocks = 0;
@@ -68,16 +97,10 @@ bool read_system(ByteReader& reader, const SubMap& submap, MarkerSystem& system)
     const std::pair at{static_cast<int>(row), static_cast<int>(column)};
     if (!system.blocks.emplace(at, block).second) return false;
   }
-  return diagonals == markers;
+  return diagonals == markers && can_be_information(system);
 }
 
 }  // namespace
-
-std::filesystem::path info_path(const std::filesystem::path& map) {
-  std::filesystem::path info = map;
-  info += ".info";
-  return info;
-}
 
 Status write_map_info(const std::filesystem::path& map_path, const MarkerMap& map,
                       const std::vector<MarkerSystem>& systems) {

@@ -7,6 +7,7 @@
 #include "core/base/error.h"
 #include "core/map/marker_map.h"
 #include "mapbuilder/build/map_builder.h"
+#include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/upkeep/marker_system.h"
 
 namespace waymark {
@@ -21,8 +22,7 @@ namespace waymark {
 ///     uint32    sub-maps; then for each: uint32 markers (0: nothing known), uint32 blocks, then
 ///               per block uint32 row, uint32 column (by marker, row ≥ column; by rising row, then
 ///               column), 36 doubles
-[[nodiscard]] std::filesystem::path info_path(const std::filesystem::path& map);
-
+///
 /// Writes atomically. Errors of write_file_atomically.
 [[nodiscard]] Status write_map_info(const std::filesystem::path& map_path, const MarkerMap& map,
                                     const std::vector<MarkerSystem>& systems);
@@ -34,7 +34,8 @@ namespace waymark {
                                          const BuildResult& result, const BuildOptions& options);
 
 /// nullopt where there is none, or it belongs to another map (one that stood there before). Else a
-/// system per sub-map, without markers where nothing is known. bad_data for a damaged one.
+/// system per sub-map, without markers where nothing is known. bad_data for a damaged one, or
+/// whose blocks are parts of no information matrix.
 [[nodiscard]] Expected<std::optional<std::vector<MarkerSystem>>> read_map_info(
     const std::filesystem::path& map_path, const MarkerMap& map);
 

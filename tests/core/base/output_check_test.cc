@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/as_nobody.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -14,6 +15,50 @@ TEST(OutputCheck, SaysBeforeLongWorkWhatCannotBeWritten) {
   EXPECT_EQ(check_writable(folder.path() / "absent/new.map").error().kind, ErrorKind::cant_create);
   std::filesystem::create_symlink("loop", folder.path() / "loop");
   EXPECT_EQ(check_writable(folder.path() / "loop/new.map").error().kind, ErrorKind::cant_create);
+}
+
+TEST(OutputCheck, NamesLeaveRoomForWhatIsWrittenBesideThem) {
+  const test::TemporaryFolder folder;
+  EXPECT_TRUE(check_writable(folder.path() / std::string(231, 'x')));
+  for (const std::size_t length : {232, 255, 256, 300, 5000}) {
+    const std::string name(length, 'x');
+    for (const auto& path : {folder.path() / name, std::filesystem::path(name)}) {
+      const auto written = check_writable(path);
+      ASSERT_FALSE(written) << length;
+      EXPECT_EQ(written.error().kind, ErrorKind::cant_create) << length;
+    }
+  }
+}
+
+TEST(OutputCheck, AFolderThatForbidsItIsAPermissionError) {
+  const test::TemporaryFolder folder;
+  folder.write("closed/sub/a.map", "");
+  std::filesystem::permissions(folder.path() / "closed", std::filesystem::perms::none);
+  {
+    const test::AsNobody nobody;
+    for (const char* name : {"closed/a.map", "closed/sub/a.map"}) {
+      if (!nobody.applies()) break;
+      const auto written = check_writable(folder.path() / name);
+      ASSERT_FALSE(written) << name;
+      EXPECT_EQ(written.error().kind, ErrorKind::permission) << name;
+    }
+  }
+  std::filesystem::permissions(folder.path() / "closed", std::filesystem::perms::owner_all);
+}
+
+TEST(OutputCheck, WhatIsNoFileIsNoPlaceForOne) {
+  const test::TemporaryFolder folder;
+  std::filesystem::create_symlink("loop", folder.path() / "loop");
+  std::filesystem::create_symlink("/dev/null", folder.path() / "device");
+  std::filesystem::create_symlink("absent/new.map", folder.path() / "nowhere");
+  for (const char* name : {"loop", "device", "nowhere"}) {
+    const auto written = check_writable(folder.path() / name);
+    ASSERT_FALSE(written) << name;
+    EXPECT_EQ(written.error().kind, ErrorKind::cant_create) << name;
+  }
+  EXPECT_FALSE(check_writable(""));
+  std::filesystem::create_symlink("new.map", folder.path() / "link");
+  EXPECT_TRUE(check_writable(folder.path() / "link"));
 }
 
 TEST(OutputCheck, AnInputIsSparedByAnyOfItsNames) {

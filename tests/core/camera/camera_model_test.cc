@@ -346,6 +346,14 @@ TEST(CameraModel, ImpossibleParametersAreRefused) {
   EXPECT_TRUE(refused([](auto& p) { p.fu_px = 0; }));
   EXPECT_TRUE(refused([](auto& p) { p.fv_px = -1500; }));
   EXPECT_TRUE(refused([](auto& p) { p.pu_px = std::nan(""); }));
+  for (const double beyond : {1e-300, 0.9, 1.1e7, 1e300}) {
+    EXPECT_TRUE(refused([&](auto& p) { p.fu_px = beyond; })) << beyond;
+    EXPECT_TRUE(refused([&](auto& p) { p.fv_px = beyond; })) << beyond;
+  }
+  for (const double beyond : {-1.1e6, 1.1e6, 1e300}) {
+    EXPECT_TRUE(refused([&](auto& p) { p.pu_px = beyond; })) << beyond;
+    EXPECT_TRUE(refused([&](auto& p) { p.pv_px = beyond; })) << beyond;
+  }
   EXPECT_TRUE(refused([](auto& p) { p.coefficients[3] = HUGE_VAL; }));
   // A fisheye's picture read with a narrow lens's polynomial.
   EXPECT_TRUE(refused([](auto& p) { p.coefficients = {-1.5, 0, 0, 0}; }));

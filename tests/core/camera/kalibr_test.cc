@@ -5,7 +5,6 @@
 
 #include <ostream>
 
-#include "tests/support/peak_memory.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -294,19 +293,6 @@ TEST(Kalibr, DepthAndSizeAreBounded) {
   const std::string most = comment + std::string(kMaxCamchainBytes - comment.size(), ' ');
   EXPECT_EQ(message_of(most), "no error");
   EXPECT_THAT(message_of(most + " "), HasSubstr("larger than 196608 bytes"));
-}
-
-TEST(Kalibr, NoTextTakesMoreThanFiftyMegabytesAndTwentyTimesItsLength) {
-  for (const char* item :
-       {"0,", "[],", "{},", "[", "{", "a: 0,", "? ,", "\"\",", "!!a 0,", "&a 0,"}) {
-    std::string text = chain() + "  further: ";
-    const bool keys = std::string_view(item).find(':') != std::string_view::npos;
-    text += keys ? "{" : "[";
-    while (text.size() + 10 < kMaxCamchainBytes) text += item;
-    text += keys ? "}\n" : "]\n";
-    const std::size_t peak = test::peak_memory([&] { (void)parse_camchain(text, "rig.yaml"); });
-    EXPECT_LT(peak, 50'000'000 + 20 * text.size()) << item;
-  }
 }
 
 TEST(Kalibr, FilesAreReadAndAbsentOnesNoInput) {

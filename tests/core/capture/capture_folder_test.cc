@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <unistd.h>
 
+#include "tests/support/as_nobody.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -199,6 +200,21 @@ TEST_F(Capture, AbsentFolderIsNoInput) {
   EXPECT_EQ(absent.error().kind, ErrorKind::no_input);
   EXPECT_THAT(absent.error().message, HasSubstr("absent: no such capture folder"));
   EXPECT_EQ(open_capture_folder(folder_.write("file", "")).error().kind, ErrorKind::no_input);
+}
+
+TEST_F(Capture, AFolderThatMayNotBeLookedAtIsAPermissionErrorNotAnAbsentOne) {
+  folder_.write("closed/room/rig.yaml", tiny_rig_yaml(1));
+  fs::permissions(folder_.path() / "closed", fs::perms::none);
+  {
+    const test::AsNobody nobody;
+    if (nobody.applies()) {
+      const auto opened = open_capture_folder(folder_.path() / "closed/room");
+      ASSERT_FALSE(opened);
+      EXPECT_EQ(opened.error().kind, ErrorKind::permission);
+      EXPECT_THAT(opened.error().message, HasSubstr("closed/room: can't look at it"));
+    }
+  }
+  fs::permissions(folder_.path() / "closed", fs::perms::owner_all);
 }
 
 TEST_F(Capture, AbsentRigOrMarkersIsNoInput) {

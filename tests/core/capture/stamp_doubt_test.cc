@@ -38,6 +38,20 @@ TEST(DoubtOfStamps, AClockOfAMachinesStartMayCountSlowly) {
   EXPECT_EQ(doubt(1'511'000'000'000'000, 5'000'000, true), "");
 }
 
+TEST(DoubtOfSpan, StampsOfOneCaptureLieWithinACenturyAndAHalf) {
+  const std::int64_t last = kLargestStamp.count();
+  const auto far = [](std::int64_t a, std::int64_t b) {
+    return doubt_of_span(std::vector<StampedImage>{{0, Stamp(a)}, {1, Stamp(b)}, {0, Stamp(a)}})
+        .has_value();
+  };
+  EXPECT_FALSE(far(0, last));
+  EXPECT_FALSE(far(last, 0));
+  EXPECT_FALSE(far(-last, 0));
+  EXPECT_TRUE(far(-1, last));
+  EXPECT_TRUE(far(last, -last));
+  EXPECT_FALSE(doubt_of_span({}));
+}
+
 TEST(DoubtOfStamps, SomeThatAreZeroAmongOthersAreSaid) {
   std::vector<StampedImage> images{{0, Stamp(0)}};
   for (int i = 0; i < 5; ++i) {

@@ -36,6 +36,8 @@ TEST(MapCheck, SoundMapsPass) {
   EXPECT_EQ(verdict([](MarkerMap& map) { map.rig_fingerprint.clear(); }), "fine");
   EXPECT_EQ(verdict([](MarkerMap& map) { map.capture_fingerprints.clear(); }), "fine");
   EXPECT_EQ(marker_verdict([](MapMarker& m) { m.covariance.setZero(); }), "fine");
+  EXPECT_EQ(marker_verdict([](MapMarker& m) { m.covariance = 1e12 * Matrix6d::Identity(); }),
+            "fine");
 }
 
 TEST(MapCheck, MapsWithoutMarkersAreRefused) {
@@ -92,6 +94,10 @@ TEST(MapCheck, CovariancesAreSymmetricAndPositiveSemidefinite) {
               HasSubstr("not positive semidefinite"));
   EXPECT_THAT(marker_verdict([](MapMarker& m) { m.covariance(2, 2) = std::nan(""); }),
               HasSubstr("not finite"));
+  for (const double beyond : {1.1e12, 1e300}) {
+    EXPECT_THAT(marker_verdict([&](MapMarker& m) { m.covariance = beyond * Matrix6d::Identity(); }),
+                HasSubstr("beyond (1000 km)²"));
+  }
   EXPECT_EQ(marker_verdict([](MapMarker& m) { m.covariance = unknown_covariance(); }), "fine");
   EXPECT_THAT(marker_verdict([](MapMarker& m) {
                 m.covariance = unknown_covariance();
@@ -108,6 +114,9 @@ TEST(MapCheck, CountsAndRmsAreInRange) {
               HasSubstr("observations"));
   EXPECT_THAT(marker_verdict([](MapMarker& m) { m.rms_px = -0.1; }), HasSubstr("RMS"));
   EXPECT_THAT(marker_verdict([](MapMarker& m) { m.rms_px = HUGE_VAL; }), HasSubstr("RMS"));
+  EXPECT_EQ(marker_verdict([](MapMarker& m) { m.rms_px = 1e6; }), "fine");
+  EXPECT_THAT(marker_verdict([](MapMarker& m) { m.rms_px = 1e308; }), HasSubstr("RMS"));
+  EXPECT_THAT(verdict([](MarkerMap& map) { map.submaps[1].rms_px = 1.1e6; }), HasSubstr("RMS"));
   EXPECT_THAT(verdict([](MarkerMap& map) { map.submaps[1].rms_px = -1; }), HasSubstr("sub-map 1"));
   EXPECT_THAT(verdict([](MarkerMap& map) { map.submaps[1].rms_all_px = std::nan(""); }),
               HasSubstr("sub-map 1"));

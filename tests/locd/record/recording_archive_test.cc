@@ -1,5 +1,6 @@
 // Recordings that share a budget: what goes first, what never goes.
 #include "tests/locd/record/recording_fixture.h"
+#include "tests/support/as_nobody.h"
 #include "tests/support/temporary_folder.h"
 
 namespace waymark {
@@ -40,6 +41,38 @@ TEST(RecordingFolder, EarlierRecordingsShareTheBudgetAndGoFirst) {
   for (int i = 4; i < 12; ++i) ASSERT_TRUE(writes(*folder, kStart + seconds(200 + i)));
   EXPECT_FALSE(std::filesystem::exists(archive.path() / "1"));
   EXPECT_EQ(folder->sets(), 8U);
+}
+
+TEST(CheckArchive, SaysBeforeTheFirstRecordingWhatIsNoFolder) {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path() / name; };
+  folder.write("file", "");
+  std::filesystem::create_symlink("absent", path("nowhere"));
+  std::filesystem::create_symlink("loop", path("loop"));
+  std::filesystem::create_directory_symlink(".", path("here"));
+  const std::string long_name(300, 'x');
+  for (const auto& wrong :
+       {std::filesystem::path("/dev/zero"), std::filesystem::path("/dev/null/a"), path("file"),
+        path("file/a/b"), path("nowhere"), path("nowhere/a"), path("loop"), path("loop/a"),
+        folder.path() / long_name}) {
+    const auto checked = check_archive(wrong);
+    ASSERT_FALSE(checked) << wrong;
+    EXPECT_EQ(checked.error().kind, ErrorKind::config) << wrong;
+  }
+  for (const char* right : {"", "a", "a/b/c", "a/", "here", "here/a", "."}) {
+    const auto checked = check_archive(path(right));
+    ASSERT_TRUE(checked) << checked.error().message;
+    EXPECT_FALSE(checked->has_value()) << right;
+  }
+  EXPECT_FALSE(std::filesystem::exists(path("a"))) << "nothing is made";
+}
+
+TEST(CheckArchive, AFolderThatThisUserMayNotWriteToIsNoted) {
+  const test::AsNobody nobody;
+  if (!nobody.applies()) GTEST_SKIP() << "the superuser may write everywhere";
+  const auto checked = check_archive("/proc/recordings");
+  ASSERT_TRUE(checked) << checked.error().message;
+  EXPECT_TRUE(checked->has_value());
 }
 
 TEST(RecordingFolder, WhatLocdDidNotRecordStays) {

@@ -170,6 +170,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadConfig{"[lcm]\nchannel_prefix = \"A\\u0000B\"", "line 11", "channel_prefix"},
         BadConfig{"[lcm]\nchannel_prefix = \"A B\"", "line 11", "channel_prefix"},
         BadConfig{"[lcm]\nchannel_prefix = \"Ä\"", "line 11", "channel_prefix"},
+        BadConfig{"[record]\ndir = \"/media/disk\\u0000x\"", "line 11", "dir must be a text"},
+        BadConfig{"[record]\nmarkers = \"a\\u0000\"", "line 11", "markers must be a text"},
         BadConfig{"[record]\ncodec = \"png\"", "line 11", "\"pgm\", \"jpeg\""},
         BadConfig{"[record]\nmax_bytes = -1", "line 11", "max_bytes"},
         BadConfig{"[service]\nrealtime = 1", "line 11", "realtime"},
@@ -197,6 +199,20 @@ TEST(Config, ABaseThatIsNoRigidMotionIsRefused) {
                          "\n[[camera]]\nname = \"cam0\"\ndriver = \"v4l2\"\ndevice = \"x\"\n",
                      "locd.toml");
     ASSERT_FALSE(config) << matrix;
+    EXPECT_THAT(config.error().message, HasSubstr("line 3: base_from_rig"));
+  }
+}
+
+TEST(Config, ABaseFarFromItsRigIsRefused) {
+  for (const auto& [x_m, taken] :
+       {std::pair{"100", true}, {"100.1", false}, {"-1500", false}, {"1e300", false}}) {
+    const auto config = parse_config(
+        fmt::format("[rig]\ncamchain = \"r\"\nbase_from_rig = [[1,0,0,{}],[0,1,0,0],[0,0,1,0],"
+                    "[0,0,0,1]]\n[[camera]]\nname = \"cam0\"\ndriver = \"v4l2\"\ndevice = \"x\"\n",
+                    x_m),
+        "locd.toml");
+    EXPECT_EQ(config.has_value(), taken) << x_m;
+    if (taken) continue;
     EXPECT_THAT(config.error().message, HasSubstr("line 3: base_from_rig"));
   }
 }

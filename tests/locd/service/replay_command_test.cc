@@ -5,6 +5,7 @@
 
 #include <sstream>
 
+#include "core/capture/detections_csv_text.h"
 #include "core/capture/pgm.h"
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
@@ -99,6 +100,47 @@ TEST_F(ReplayCommand, ARigWithoutTransformsIsRefused) {
   EXPECT_NE(status.error().message.find("T_cn_cnm1"), std::string::npos) << status.error().message;
 }
 
+/// The capture with its frame sets so many ms apart.
+void play_faster(TemporaryFolder& folder, const test::SyntheticRoom& room, int period_ms) {
+  auto images = room.images;
+  for (ImageDetections& image : images) {
+    const auto set =
+        (image.stamp - test::room_stamp(0)) / (test::room_stamp(1) - test::room_stamp(0));
+    image.stamp = test::room_stamp(0) + set * Stamp(std::chrono::milliseconds(period_ms));
+  }
+  folder.write("detections.csv",
+               format_detections_csv(images, room.rig, room.catalog, "synthetic"));
+}
+
+// At 200 and more images a second the sync tolerance reaches the next frame.
+TEST_F(ReplayCommand, FastCamerasFramesArePairedRightlyAndThatIsSaid) {
+  for (const int period_ms : {5, 4, 2, 1}) {
+    play_faster(folder_, room_, period_ms);
+    out_.str("");
+    notes_.str("");
+    const auto status = run("a.tum");
+    ASSERT_TRUE(status) << status.error().message;
+    EXPECT_THAT(out_.str(), HasSubstr("60 frame sets: ")) << period_ms << notes_.str();
+    EXPECT_THAT(out_.str(), testing::Not(HasSubstr("CAMERA_MISSING"))) << period_ms;
+    EXPECT_THAT(notes_.str(), HasSubstr(fmt::format("frames come every {}.000 ms", period_ms)));
+    EXPECT_THAT(notes_.str(), testing::Not(HasSubstr("came into no pose")));
+  }
+}
+
+TEST_F(ReplayCommand, FramesThatComeIntoNoSetAreCountedWithTheReason) {
+  auto images = room_.images;
+  ImageDetections twice = images[0];
+  twice.stamp += std::chrono::milliseconds(1);
+  images.push_back(twice);  // before the other cameras' first, so that it takes the place
+  for (ImageDetections& image : images) {
+    if (image.camera != twice.camera) image.stamp += std::chrono::milliseconds(2);
+  }
+  folder_.write("detections.csv",
+                format_detections_csv(images, room_.rig, room_.catalog, "synthetic"));
+  ASSERT_TRUE(run("a.tum"));
+  EXPECT_THAT(notes_.str(), HasSubstr("note: frames that came into no pose: overtaken 1 ("));
+}
+
 TEST_F(ReplayCommand, SaysWhatIsWrong) {
   std::filesystem::remove(folder_.path() / "room.map");
   EXPECT_EQ(run("a.tum").error().kind, ErrorKind::no_input);
@@ -153,6 +195,9 @@ TEST_F(ReplayCommand, ImagesThatCanNotBeUsedAreSaid) {
   EXPECT_EQ(none.error().kind, ErrorKind::bad_data);
   EXPECT_NE(none.error().message.find("no image of"), std::string::npos) << none.error().message;
   EXPECT_NE(none.error().message.find("the first: "), std::string::npos) << none.error().message;
+  for (const char* output : {"none.tum", "none.tum.csv"}) {
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / output)) << "nothing half-done is left";
+  }
 
   const CameraParameters& camera = room_.rig.cameras[0].model.parameters();
   folder_.write(fmt::format("{}/{}.pgm", room_.rig.cameras[0].name, 0),

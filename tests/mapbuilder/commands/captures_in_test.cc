@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/base/one_line.h"
+#include "tests/support/peak_memory.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/tiny_capture.h"
 
@@ -24,6 +25,16 @@ class CapturesIn : public testing::Test {
                   "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n5,cam0,3,9,9,30,9,30,30,9,30\n"
                   "6,cam0,99,9,9,30,9,30,30,9,30\n");
     return folder_.path() / name;
+  }
+
+  /// Of a table that says of so many images that they were seen, and nothing found.
+  std::filesystem::path make_blank_capture(int images) const {
+    const auto capture = make_capture("blank");
+    std::string text = "t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n";
+    for (int i = 0; i < images; ++i)
+      text += fmt::format("{},cam0,,,,,,,,,\n", std::int64_t{1'000'000} * i);
+    folder_.write("blank/detections.csv", text);
+    return capture;
   }
 
   void expect_failure(ErrorKind kind, const char* message) {
@@ -110,6 +121,23 @@ TEST_F(CapturesIn, EdgesOfAVideoCantBeCorrected) {
   input_.markers_toml = folder_.write("markers.toml", tiny_markers_toml());
   input_.detect.correct_edges = true;
   expect_failure(ErrorKind::usage, "--correct-edges reads images twice");
+}
+
+TEST_F(CapturesIn, ImagesWithoutAnyMarkerAreReadInTheMemoryOfTheirRowsAndRefused) {
+  input_.paths = {make_blank_capture(400'000)};
+  const std::size_t bytes = std::filesystem::file_size(folder_.path() / "blank/detections.csv");
+  Status seen;
+  const std::size_t peak = test::peak_memory([&] {
+    const auto taken = take_captures_in(input_, progress_, notes_);
+    ASSERT_TRUE(taken) << taken.error().message;
+    const auto observations = make_observations(taken->captures, {});
+    ASSERT_TRUE(observations);
+    seen = check_any_seen(*observations, "blank");
+  });
+  EXPECT_LT(peak, 50'000'000 + 20 * bytes);
+  ASSERT_FALSE(seen);
+  EXPECT_EQ(seen.error().kind, ErrorKind::bad_data);
+  EXPECT_THAT(seen.error().message, HasSubstr("blank: 400000 frame sets show no marker"));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "core/detect/image_detector.h"
 #include "core/marker/marker_catalog.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/tiny_capture.h"
 
 namespace waymark {
 namespace {
@@ -162,6 +163,13 @@ TEST_P(BadOrders, AreRefusedAndNothingIsWritten) {
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "markers.toml"));
 }
 
+/// All ids of a family, a hundred thousand times.
+std::string many_ranges() {
+  std::string ids = "0-586";
+  for (int i = 0; i < 100'000; ++i) ids += ",0-586";
+  return ids;
+}
+
 INSTANTIATE_TEST_SUITE_P(
     All, BadOrders,
     testing::Values(
@@ -180,6 +188,14 @@ INSTANTIATE_TEST_SUITE_P(
         BadOrder{"SizeNan", {{"tag36h11"}, {"0"}, {std::nan("")}, "a4", {}}, "within"},
         BadOrder{
             "TwoSizesOfOneId", {{"tag36h11"}, {"0-5", "3"}, {0.1, 0.2}, "a4", {}}, "two sizes"},
+        BadOrder{
+            "IdTwice", {{"tag36h11"}, {"0-5,3"}, {0.1}, "a4", {}}, "tag36h11 3 is named twice"},
+        BadOrder{"IdInTwoBatches",
+                 {{"tag36h11"}, {"0-5", "3"}, {0.1}, "a4", {}},
+                 "tag36h11 3 is named twice"},
+        BadOrder{"AllIdsAgainAndAgain",
+                 {{"tag36h11"}, {many_ranges()}, {0.1}, "a4", {}},
+                 "tag36h11 0 is named twice"},
         BadOrder{"UnknownPaper", {{"tag36h11"}, {"0"}, {0.1}, "a9", {}}, "--paper"}),
     [](const auto& info) { return info.param.name; });
 
@@ -234,17 +250,27 @@ TEST_F(PrintedMarkers, AFolderThatIsNotThereIsSaid) {
 
 TEST(PrintAdviceCommand, RangesAndRigsAreChecked) {
   std::ostringstream out;
+  std::ostringstream notes;
   for (const double range_m : {0.0, 0.09, 201.0, std::nan("")}) {
-    const auto advised = run_print_advice({true, "rig.yaml", range_m}, out);
+    const auto advised = run_print_advice({true, "rig.yaml", range_m}, out, notes);
     ASSERT_FALSE(advised);
     EXPECT_EQ(advised.error().kind, ErrorKind::usage);
   }
-  const auto without = run_print_advice({true, {}, 5}, out);
+  const auto without = run_print_advice({true, {}, 5}, out, notes);
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().kind, ErrorKind::usage);
-  const auto absent = run_print_advice({true, "/nowhere/rig.yaml", 5}, out);
+  const auto absent = run_print_advice({true, "/nowhere/rig.yaml", 5}, out, notes);
   ASSERT_FALSE(absent);
   EXPECT_EQ(absent.error().kind, ErrorKind::no_input);
+}
+
+TEST(PrintAdviceCommand, WhatTheRigsFileSaysIsTold) {
+  const test::TemporaryFolder folder;
+  const auto rig = folder.write("rig.yaml", tiny_rig_yaml(1) + "  lens: wide\n");
+  std::ostringstream out;
+  std::ostringstream notes;
+  ASSERT_TRUE(run_print_advice({true, rig, 5}, out, notes));
+  EXPECT_NE(notes.str().find("lens: unknown key, not used"), std::string::npos) << notes.str();
 }
 
 }  // namespace

@@ -165,6 +165,47 @@ TEST(BadOutput, IsSaidBeforeTheWork) {
   EXPECT_EQ(run_mapbuilder({"build", room, "-o", room}).exit_code, 73);
 }
 
+/// What lies in a folder and below.
+std::size_t files_in(const std::filesystem::path& folder) {
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    files += entry.is_regular_file() ? 1 : 0;
+  }
+  return files;
+}
+
+TEST(BadOutput, ANameThatIsTooLongIsSaidBeforeTheWork) {
+  const test::TemporaryFolder folder;
+  test::write_capture(test::make_room({}), folder.path() / "room");
+  const auto path = [&](const std::string& name) { return (folder.path() / name).string(); };
+  ASSERT_EQ(run_mapbuilder({"build", path("room"), "-o", path("a.map")}).exit_code, 0);
+  ASSERT_EQ(
+      run_mapbuilder({"export", path("a.map"), "--format", "json", "-o", path("a.json")}).exit_code,
+      0);
+  const std::size_t before = files_in(folder.path());
+  for (const std::size_t length : {250, 300}) {
+    const std::string name = path(std::string(length, 'x'));
+    for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+             {"build", path("room"), "-o", name},
+             {"build", path("room"), "-o", path("b.map"), "--trajectory", name},
+             {"build", path("room"), "-o", path("b.map"), "--report", name},
+             {"build", path("room"), "-o", path("b.map"), "--refine=intrinsics", "--refined-rig",
+              name},
+             {"update", path("a.map"), path("room"), "-o", name},
+             {"localize", path("room"), "--map", path("a.map"), "--trajectory", name},
+             {"detect", path("room"), "-o", name},
+             {"edit", path("a.map"), "-o", name, "--remove", "0"},
+             {"export", path("a.map"), "--format", "tum", "-o", name},
+             {"import", path("a.json"), "-o", name},
+             {"print", "--family", "tag36h11", "--ids", "0", "--size-m", "0.1", "-o", name}}) {
+      const auto run = run_mapbuilder(arguments);
+      EXPECT_EQ(run.exit_code, 73) << arguments[0] << run.err;
+      EXPECT_NE(run.err.find("too long"), std::string::npos) << arguments[0] << run.err;
+      EXPECT_EQ(files_in(folder.path()), before) << arguments[0];
+    }
+  }
+}
+
 TEST(BadOutput, AFullDiskLeavesTheOldMap) {
   const test::TemporaryFolder folder;
   test::write_capture(test::make_room({}), folder.path() / "room");

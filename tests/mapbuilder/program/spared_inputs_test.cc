@@ -119,6 +119,16 @@ TEST_F(SparedInputs, NoCommandReplacesAnotherFileThatItReads) {
   }
 }
 
+TEST_F(SparedInputs, WhatIsWrittenBesideAMapReplacesNothingThatIsRead) {
+  for (const char* name : {"b.map.info", "b.map.rejected", "b.map.rejected.info"}) {
+    std::filesystem::copy_file(path("a.map"), path(name));
+    expect_refused({"build", "room", "-o", "b.map", "--frame-of", name});
+    expect_refused({"update", name, "room", "-o", "b.map"});
+    expect_refused({"build", "room", "-o", "b.map", "--trajectory", name});
+    std::filesystem::remove(path(name));
+  }
+}
+
 TEST_F(SparedInputs, AnEarlierMapAloneMayBeReplaced) {
   for (const char* file :
        {"cam0", "images", "groundtruth", "frames.csv", "survey.toml", "capture.toml"}) {

@@ -46,6 +46,25 @@ TEST_F(MapInfo, AbsentOrOfAnotherMapIsNone) {
   EXPECT_FALSE(*other);
 }
 
+TEST_F(MapInfo, BlocksOfNoInformationMatrixAreDamage) {
+  const auto is_read = [&](const std::pair<int, int>& at, const Matrix6d& block) {
+    auto systems = some_systems();
+    systems[0].blocks[at] = block;
+    EXPECT_TRUE(write_map_info(path(), test::small_map(), systems));
+    return read_map_info(path(), test::small_map()).has_value();
+  };
+  const Matrix6d sound = some_systems()[0].blocks.at({1, 1});
+  EXPECT_TRUE(is_read({1, 1}, sound));
+  EXPECT_TRUE(is_read({1, 1}, Matrix6d::Zero())) << "nothing is known of it";
+  EXPECT_FALSE(is_read({1, 1}, -sound));
+  EXPECT_FALSE(is_read({1, 1}, 1e300 * Matrix6d::Ones()));
+  EXPECT_FALSE(is_read({2, 0}, 1e200 * Matrix6d::Ones()));
+  EXPECT_FALSE(is_read({2, 0}, 10 * sound.maxCoeff() * Matrix6d::Ones()));
+  Matrix6d lopsided = sound;
+  lopsided(0, 1) += 0.5 * sound.maxCoeff();
+  EXPECT_FALSE(is_read({1, 1}, lopsided));
+}
+
 TEST_F(MapInfo, EveryFlippedBitAndEveryCutIsFound) {
   const std::string whole = folder_.read("a.map.info");
   for (std::size_t at = 0; at < whole.size(); at += 7) {
