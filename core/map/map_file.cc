@@ -110,7 +110,7 @@ Expected<std::string> encode_map(const MarkerMap& map) {
   }
   const std::string payload = encode_records(map);
   std::string bytes(kMagic);
-  bytes += little_endian(kMapContainerVersion, 4);
+  bytes += little_endian(record_version(map), 4);
   bytes += little_endian(payload.size(), 8);
   bytes += little_endian(checksum(bytes, payload), 4);
   return bytes + payload;

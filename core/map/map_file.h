@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -9,8 +10,8 @@
 
 namespace waymark {
 
-/// Version of the container and its records. A reader refuses newer ones.
-inline constexpr std::uint32_t kMapContainerVersion = 2;
+/// Newest version of the container and its records. A reader refuses newer ones.
+inline constexpr std::uint32_t kMapContainerVersion = 3;
 
 /// The binary map file: a container (little-endian)
 ///
@@ -19,10 +20,13 @@ inline constexpr std::uint32_t kMapContainerVersion = 2;
 ///     8 bytes   length of the payload
 ///     4 bytes   CRC32C over the three fields above and the payload
 ///     payload   records of proto/: map_header_t, map_capture_t…, then per sub-map map_submap_t,
-///               map_world_t, map_marker_t…; all of fixed size, in LCM's own encoding (big-endian)
+///               map_world_t, in version 3 map_parameters_t, map_parameter_t…,
+///               map_parameter_covariance_t… and map_considered_marker_t…, else map_marker_t…; all
+///               of fixed size, in LCM's own encoding (big-endian)
 ///
 /// Version 1 had no map_world_t (z is up in the facility frame alone), and wrote covariances that
-/// nobody knew as zero; it is read as such.
+/// nobody knew as zero; it is read as such. A map that considers nothing beyond its markers' own
+/// covariances is of version 2 and stays so, content hash and all.
 ///
 /// The same map gives the same bytes; nothing in them depends on time or place.
 ///

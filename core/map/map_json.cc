@@ -28,26 +28,60 @@ constexpr double kSmallestSigma = 1e-9;
 constexpr double kLargestSigma_m = 10;
 constexpr double kLargestSigma_deg = 180;
 
+using RowMajorModes = Eigen::Matrix<float, 6, kMapModes, Eigen::RowMajor>;
+
+ordered_json covariance_json(const Matrix6d& covariance) {
+  if (!covariance.allFinite()) return nullptr;
+  return std::vector<double>(covariance.data(), covariance.data() + covariance.size());
+}
+
 ordered_json marker_json(const MapMarker& marker, bool with_family) {
   const Eigen::Vector3d& t = marker.world_from_marker.translation;
   const Eigen::Quaterniond& q = marker.world_from_marker.rotation;
-  const double* const covariance = marker.covariance.data();
-  const ordered_json known = std::vector<double>(covariance, covariance + 36);
-  return {{"id", json_of(marker.id, with_family)},
-          {"family", name_of(marker.id.family)},
-          {"size_m", marker.size_m},
-          {"stated_size_m", marker.stated_size_m},
-          {"position_m", {t.x(), t.y(), t.z()}},
-          {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}},
-          {"covariance", marker.covariance_known() ? known : ordered_json(nullptr)},
-          {"observations", marker.observations},
-          {"rejected", marker.rejected},
-          {"rms_px", marker.rms_px},
-          {"verified", marker.verified}};
+  ordered_json json{{"id", json_of(marker.id, with_family)},
+                    {"family", name_of(marker.id.family)},
+                    {"size_m", marker.size_m},
+                    {"stated_size_m", marker.stated_size_m},
+                    {"position_m", {t.x(), t.y(), t.z()}},
+                    {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+                    {"covariance", covariance_json(marker.covariance)},
+                    {"covariance_metric", covariance_json(marker.metric())}};
+  if (marker.considered()) {
+    const RowMajorModes modes = marker.modes;
+    json["modes"] = std::vector<double>(modes.data(), modes.data() + modes.size());
+  }
+  json["observations"] = marker.observations;
+  json["rejected"] = marker.rejected;
+  json["rms_px"] = marker.rms_px;
+  json["verified"] = marker.verified;
+  return json;
 }
 
 std::string text_of(const ordered_json& json) {
   return json.dump(-1, ' ', false, ordered_json::error_handler_t::replace);
+}
+
+/// The lines of what a sub-map considers; none where that is nothing.
+std::string format_parameters(const SubMap& submap) {
+  if (submap.parameters.empty()) return {};
+  std::string text = "      \"parameters\": [\n";
+  for (std::size_t i = 0; i < submap.parameters.size(); ++i) {
+    const MapParameter& one = submap.parameters[i];
+    const ordered_json json{
+        {"name", one.name},
+        {"serial", one.serial},
+        {"cross", std::vector<double>(one.cross.data(), one.cross.data() + kMapModes)}};
+    text +=
+        fmt::format("        {}{}\n", text_of(json), i + 1 < submap.parameters.size() ? "," : "");
+  }
+  std::vector<double> triangle;
+  for (Eigen::Index row = 0; row < submap.parameter_covariance.rows(); ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      triangle.push_back(submap.parameter_covariance(row, column));
+    }
+  }
+  return text + fmt::format("      ],\n      \"parameter_covariance\": {},\n",
+                            text_of(ordered_json(triangle)));
 }
 
 std::string format_submap(const SubMap& submap, bool with_family) {
@@ -58,9 +92,10 @@ std::string format_submap(const SubMap& submap, bool with_family) {
       "      \"frame_sets\": {},\n"
       "      \"rms_px\": {},\n"
       "      \"rms_all_px\": {},\n"
+      "{}"
       "      \"markers\": [\n",
       name_of(submap.frame), submap.z_is_up, submap.frame_sets, text_of(submap.rms_px),
-      text_of(submap.rms_all_px));
+      text_of(submap.rms_all_px), format_parameters(submap));
   for (std::size_t i = 0; i < submap.markers.size(); ++i) {
     text += fmt::format("        {}{}\n", text_of(marker_json(submap.markers[i], with_family)),
                         i + 1 < submap.markers.size() ? "," : "");
@@ -93,6 +128,40 @@ Matrix6d read_covariance(JsonFields& fields) {
   return Matrix6d::Map(fields.numbers("covariance", 36).data());
 }
 
+/// What the marker considers; nothing where its metric covariance is its covariance.
+void read_considered(JsonFields& fields, MapMarker& marker) {
+  if (fields.contains("modes")) {
+    marker.modes = RowMajorModes(
+        Eigen::Matrix<double, 6, kMapModes, Eigen::RowMajor>::Map(
+            fields.numbers("modes", static_cast<std::size_t>(marker.modes.size())).data())
+            .cast<float>());
+  }
+  fields.value("covariance_metric");  // may be null, where nobody knows it
+  if (!fields.has("covariance_metric")) return;
+  const Matrix6d metric = Matrix6d::Map(fields.numbers("covariance_metric", 36).data());
+  if (!marker.modes.isZero(0) || metric != marker.covariance) marker.covariance_metric = metric;
+}
+
+void read_parameters(JsonFields& fields, SubMap& submap) {
+  if (!fields.contains("parameters")) return;
+  fields.each("parameters", [&](JsonFields& one) {
+    submap.parameters.push_back(
+        {one.text("name"), one.text("serial", ""),
+         Eigen::Matrix<double, 1, kMapModes>::Map(one.numbers("cross", kMapModes).data())});
+  });
+  const auto n = static_cast<Eigen::Index>(submap.parameters.size());
+  const std::vector<double> triangle =
+      fields.numbers("parameter_covariance", static_cast<std::size_t>(n * (n + 1) / 2));
+  submap.parameter_covariance.resize(n, n);
+  std::size_t next = 0;
+  for (Eigen::Index row = 0; row < n; ++row) {
+    for (Eigen::Index column = 0; column <= row; ++column) {
+      submap.parameter_covariance(row, column) = submap.parameter_covariance(column, row) =
+          triangle[next++];
+    }
+  }
+}
+
 MapMarker read_marker(JsonFields& fields) {
   MapMarker marker;
   marker.id = read_marker_id(fields);
@@ -103,6 +172,7 @@ MapMarker read_marker(JsonFields& fields) {
   Eigen::Vector4d& quaternion = pose.rotation.coeffs();
   quaternion = Eigen::Vector4d::Map(fields.numbers("quaternion_xyzw", 4).data());
   marker.covariance = read_covariance(fields);
+  read_considered(fields, marker);
   marker.observations = read_count(fields, "observations");
   marker.rejected = read_count(fields, "rejected");
   marker.rms_px = fields.number("rms_px", kLowest, kHighest, 0);
@@ -124,6 +194,7 @@ SubMap read_submap(JsonFields& fields) {
   submap.frame_sets = read_count(fields, "frame_sets");
   submap.rms_px = fields.number("rms_px", kLowest, kHighest, 0);
   submap.rms_all_px = fields.number("rms_all_px", kLowest, kHighest, 0);
+  read_parameters(fields, submap);
   submap.markers.reserve(fields.count("markers"));
   fields.each("markers",
               [&](JsonFields& marker) { submap.markers.push_back(read_marker(marker)); });

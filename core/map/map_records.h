@@ -9,9 +9,11 @@
 
 namespace waymark {
 
-/// The payload of a map file of the present version: the records of proto/ one after another.
-/// Canonical: the same map
-/// gives the same bytes. `map` must be one that check_map accepts.
+/// The version whose records hold all of a map: 3 where it considers anything, else 2.
+[[nodiscard]] std::uint32_t record_version(const MarkerMap& map);
+
+/// The payload of a map file of that version: the records of proto/ one after another. Canonical:
+/// the same map gives the same bytes. `map` must be one that check_map accepts.
 [[nodiscard]] std::string encode_records(const MarkerMap& map);
 
 /// Back, from a file of container version `version` ≥ 1. Every count is held against the bytes left

@@ -21,12 +21,7 @@ Eigen::Vector3d camera_up_in_world(const BuiltSubMap& submap, const Observations
 }
 
 void move_world(BuiltSubMap& submap, const Rigid3& new_from_old) {
-  const Matrix6d turn = left_motion_jacobian(new_from_old);
-  for (MapMarker& marker : submap.map.markers) {
-    marker.world_from_marker = new_from_old * marker.world_from_marker;
-    const Matrix6d turned = turn * marker.covariance * turn.transpose();
-    marker.covariance = 0.5 * (turned + turned.transpose());
-  }
+  for (MapMarker& marker : submap.map.markers) move_marker(new_from_old, marker);
   for (LocalizedFrameSet& set : submap.trajectory) {
     set.world_from_rig = new_from_old * set.world_from_rig;
   }

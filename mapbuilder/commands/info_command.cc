@@ -11,6 +11,7 @@
 #include "core/map/json_value.h"
 #include "core/map/map_file.h"
 #include "core/map/map_json.h"
+#include "core/map/map_records.h"
 #include "core/map/marker_distance.h"
 #include "core/map/marker_search.h"
 
@@ -98,7 +99,7 @@ ordered_json submap_json(const SubMap& submap, bool with_family) {
 
 std::string format_json(const MarkerMap& map) {
   ordered_json json{{"schema", kSchema},
-                    {"container_version", kMapContainerVersion},
+                    {"container_version", record_version(map)},
                     {"content_hash", content_hash(map)},
                     {"builder_version", map.builder_version},
                     {"rig_fingerprint", map.rig_fingerprint}};
@@ -200,7 +201,7 @@ Expected<MarkerPair> find_pair(const MarkerMap& map, const std::string& name,
   return MarkerPair{from.submap, from.marker, to.marker};
 }
 
-std::string text_of_distance(const MarkerDistance& distance) {
+std::string text_of_distance(const MarkerDistance& distance, bool considered) {
   std::string text = fmt::format("distance     {:.6f} m, centre to centre\n", distance.distance_m);
   if (distance.sigma_m) {
     text += fmt::format(
@@ -210,8 +211,9 @@ std::string text_of_distance(const MarkerDistance& distance) {
     text += "within map   sigma unknown: the map holds none of them, or they stand at one point\n";
   }
   if (distance.sigma_metric_m) {
-    return text + fmt::format("metric       sigma {:.3f} mm at most, by measured lengths\n",
-                              1e3 * *distance.sigma_metric_m);
+    return text + fmt::format("metric       sigma {:.3f} mm{}\n", 1e3 * *distance.sigma_metric_m,
+                              considered ? ", calibration and sizes considered"
+                                         : " at most, by measured lengths");
   }
   return text +
          (distance.sigma_m
@@ -223,7 +225,8 @@ std::string text_of_distance(const MarkerDistance& distance) {
 std::string format_distance(const MarkerMap& map, const MarkerPair& pair, bool as_json) {
   const MarkerDistance distance =
       distance_between(*pair.from, *pair.to, map.submaps[pair.submap].frame);
-  if (!as_json) return text_of_distance(distance);
+  const bool considered = pair.from->considered() && pair.to->considered();
+  if (!as_json) return text_of_distance(distance, considered);
   const bool with_family = map.several_families();
   const auto or_null = [](const std::optional<double>& value) {
     return value ? ordered_json(nine_decimals(*value)) : ordered_json(nullptr);

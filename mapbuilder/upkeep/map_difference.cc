@@ -51,12 +51,18 @@ std::optional<double> median_length_ratio(const Points& in_new, const Points& in
   return median(ratios);
 }
 
+void scale_positions(double scale, Matrix6d& covariance) {
+  covariance.topLeftCorner<3, 3>() *= scale * scale;
+  covariance.topRightCorner<3, 3>() *= scale;
+  covariance.bottomLeftCorner<3, 3>() *= scale;
+}
+
 SubMap scaled(SubMap submap, double scale) {
   for (MapMarker& marker : submap.markers) {
     marker.world_from_marker.translation *= scale;
-    marker.covariance.topLeftCorner<3, 3>() *= scale * scale;
-    marker.covariance.topRightCorner<3, 3>() *= scale;
-    marker.covariance.bottomLeftCorner<3, 3>() *= scale;
+    scale_positions(scale, marker.covariance);
+    scale_positions(scale, marker.covariance_metric);
+    marker.modes.topRows<3>() *= static_cast<float>(scale);
   }
   return submap;
 }

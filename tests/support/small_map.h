@@ -43,4 +43,27 @@ inline MarkerMap small_map() {
   return map;
 }
 
+/// The same, considering two parameters in its first sub-map and none in the second.
+inline MarkerMap considered_small_map() {
+  MarkerMap map = small_map();
+  SubMap& first = map.submaps[0];
+  first.parameters = {{"cam0 focal length", "00417", {}}, {"size 0.12 m", "", {}}};
+  first.parameters[0].cross.setConstant(0.0625e-3);
+  first.parameters[1].cross.setZero();
+  first.parameter_covariance = Eigen::Matrix2d{{1e-6, 2.5e-7}, {2.5e-7, 4e-6}};
+  for (SubMap& submap : map.submaps) {
+    for (MapMarker& marker : submap.markers) {
+      // What a file holds in floats.
+      marker.covariance = marker.covariance.cast<float>().cast<double>();
+    }
+  }
+  for (MapMarker& marker : first.markers) {
+    marker.modes(0, 0) = 0.001953125F;
+    marker.modes(5, 15) = -0.0009765625F;
+    const Eigen::Matrix<double, 6, kMapModes> modes = marker.modes.cast<double>();
+    marker.covariance_metric = marker.covariance + modes * modes.transpose();
+  }
+  return map;
+}
+
 }  // namespace waymark::test

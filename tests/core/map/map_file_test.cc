@@ -9,6 +9,7 @@
 #include <waymark/map_capture_t.hpp>
 #include <waymark/map_header_t.hpp>
 #include <waymark/map_marker_t.hpp>
+#include <waymark/map_parameters_t.hpp>
 #include <waymark/map_submap_t.hpp>
 #include <waymark/map_world_t.hpp>
 
@@ -98,6 +99,13 @@ void expect_same(const MarkerMap& a, const MarkerMap& b) {
     EXPECT_EQ(a.submaps[s].frame_sets, b.submaps[s].frame_sets);
     EXPECT_EQ(a.submaps[s].rms_px, b.submaps[s].rms_px);
     EXPECT_EQ(a.submaps[s].rms_all_px, b.submaps[s].rms_all_px);
+    EXPECT_EQ(a.submaps[s].parameter_covariance, b.submaps[s].parameter_covariance);
+    ASSERT_EQ(a.submaps[s].parameters.size(), b.submaps[s].parameters.size());
+    for (std::size_t p = 0; p < a.submaps[s].parameters.size(); ++p) {
+      EXPECT_EQ(a.submaps[s].parameters[p].name, b.submaps[s].parameters[p].name);
+      EXPECT_EQ(a.submaps[s].parameters[p].serial, b.submaps[s].parameters[p].serial);
+      EXPECT_EQ(a.submaps[s].parameters[p].cross, b.submaps[s].parameters[p].cross);
+    }
     ASSERT_EQ(a.submaps[s].markers.size(), b.submaps[s].markers.size());
     for (std::size_t m = 0; m < a.submaps[s].markers.size(); ++m) {
       const MapMarker& x = a.submaps[s].markers[m];
@@ -108,6 +116,9 @@ void expect_same(const MarkerMap& a, const MarkerMap& b) {
       EXPECT_EQ(x.world_from_marker.translation, y.world_from_marker.translation);
       EXPECT_EQ(x.world_from_marker.rotation.coeffs(), y.world_from_marker.rotation.coeffs());
       EXPECT_EQ(x.covariance, y.covariance);
+      EXPECT_EQ(x.considered(), y.considered());
+      EXPECT_EQ(x.metric(), y.metric());
+      EXPECT_EQ(x.modes, y.modes);
       EXPECT_EQ(x.observations, y.observations);
       EXPECT_EQ(x.rejected, y.rejected);
       EXPECT_EQ(x.rms_px, y.rms_px);
@@ -123,6 +134,16 @@ TEST(MapFile, EveryFieldComesBackBitForBit) {
   const auto map = read_map_file(path);
   ASSERT_TRUE(map) << map.error().message;
   expect_same(*map, test::small_map());
+}
+
+TEST(MapFile, WhatAMapConsidersComesBackToo) {
+  const MarkerMap map = test::considered_small_map();
+  const auto back = decode_map(encoded(map), "a.map");
+  ASSERT_TRUE(back) << back.error().message;
+  expect_same(*back, map);
+  EXPECT_EQ(encoded(*back), encoded(map));
+  EXPECT_EQ(encoded(map).substr(8, 4), std::string("\x03\0\0\0", 4));
+  EXPECT_NE(content_hash(map), content_hash(test::small_map()));
 }
 
 TEST(MapFile, TheSameMapGivesTheSameBytes) {
@@ -142,6 +163,20 @@ TEST(MapFile, LayoutIsAsDocumented) {
   ASSERT_EQ(bytes.size(), kHeaderSize + kPayload);
   EXPECT_EQ(bytes, container(bytes.substr(kHeaderSize)));
   EXPECT_EQ(bytes.substr(8, 4), std::string("\x02\0\0\0", 4));
+}
+
+TEST(MapFile, LayoutOfVersion3IsAsDocumented) {
+  const std::string bytes = encoded(test::considered_small_map());
+  constexpr std::size_t kHeader = 8 + 4 + 4 + 32 + 16;
+  constexpr std::size_t kCapture = 8 + 16;
+  constexpr std::size_t kSubmap = 8 + 3 * 4 + 2 * 8 + 8 + 1 + 8 + 4;
+  constexpr std::size_t kParameter = 8 + 48 + 64 + 16 * 8;
+  constexpr std::size_t kMarker =
+      8 + 2 * 4 + (2 + 3 + 4 + 21) * 8 + (6 * 16 + 21) * 4 + 2 * 4 + 8 + 1;
+  static_assert(kMarker * 20'000 < 16'000'000);
+  ASSERT_EQ(bytes.size(), kHeaderSize + kHeader + 2 * kCapture + 2 * kSubmap + 2 * kParameter +
+                              3 * (8 + 8) + 5 * kMarker);
+  EXPECT_EQ(bytes, container(bytes.substr(kHeaderSize), 3));
 }
 
 TEST(MapFile, ChecksumIsCrc32c) {
@@ -169,8 +204,9 @@ TEST(MapFile, OtherFilesAreNoMaps) {
 TEST(MapFile, NewerVersionsAreNamed) {
   const std::string payload = encoded(test::small_map()).substr(kHeaderSize);
   EXPECT_EQ(refusal(container(payload)), "accepted");
-  EXPECT_THAT(refusal(container(payload, 3)),
-              AllOf(HasSubstr("version 3, newer than version 2"), HasSubstr("update Waymark")));
+  EXPECT_THAT(refusal(container(payload, 4)),
+              AllOf(HasSubstr("version 4, newer than version 3"), HasSubstr("update Waymark")));
+  EXPECT_THAT(refusal(container(payload, 3)), HasSubstr("no map_parameters_t record"));
   EXPECT_THAT(refusal(container(payload, 0)), HasSubstr("damaged"));
 }
 
@@ -242,6 +278,36 @@ TEST(MapFile, TheGoldenFileOfVersion2IsReadAndWrittenAsItIs) {
   EXPECT_EQ(content_hash(map), "e15bdf8e774f655a");
 }
 
+TEST(MapFile, TheGoldenFileOfVersion3IsReadAndWrittenAsItIs) {
+  const MarkerMap map = golden("version_3.map");
+  ASSERT_EQ(map.submaps.size(), 2U);
+  ASSERT_EQ(map.submaps[0].parameters.size(), 2U);
+  EXPECT_EQ(map.submaps[0].parameters[0].name, "cam0 focal length");
+  EXPECT_EQ(map.submaps[0].parameters[0].serial, "00417");
+  EXPECT_EQ(map.submaps[0].parameters[0].cross[0], 0.5e-3);
+  EXPECT_EQ(map.submaps[0].parameters[1].name, "size 0.12 m");
+  EXPECT_EQ(map.submaps[0].parameter_covariance(1, 0), 2.5e-7);
+  const MapMarker& marker = map.submaps[0].markers.at(0);
+  EXPECT_EQ(marker.id, (MarkerId{Family::tag36h11, 3}));
+  EXPECT_EQ(marker.covariance_metric(2, 2), 3e-6);
+  EXPECT_EQ(marker.covariance_metric(1, 0), 2.5e-7);
+  EXPECT_EQ(marker.covariance(0, 0), 9.5367431640625e-07);
+  EXPECT_EQ(marker.modes(0, 0), 0.0009765625F);
+  EXPECT_EQ(marker.modes(5, 15), 0.00048828125F);
+  EXPECT_FALSE(map.submaps[0].markers.at(1).considered());
+  EXPECT_FALSE(map.submaps[0].markers.at(1).covariance_known());
+  EXPECT_TRUE(map.submaps[1].parameters.empty());
+  const auto bytes = read_file(std::filesystem::path(WAYMARK_GOLDEN_MAPS) / "version_3.map");
+  EXPECT_EQ(encoded(map), *bytes);
+}
+
+TEST(MapFile, AMapThatConsidersNothingKeepsItsVersionAndHash) {
+  const MarkerMap map = golden("version_2.map");
+  EXPECT_FALSE(map.considered());
+  EXPECT_EQ(content_hash(map), "e15bdf8e774f655a");
+  EXPECT_EQ(map.submaps[1].markers[0].metric(), map.submaps[1].markers[0].covariance);
+}
+
 TEST(MapFile, UnknownCovariancesStayUnknownAndExactOnesExact) {
   MarkerMap map = test::small_map();
   map.submaps[0].markers[0].covariance = unknown_covariance();
@@ -291,6 +357,39 @@ TEST(MapFile, EveryByteChangedUnderARightChecksumNeverCrashes) {
     ASSERT_NE(refusal(container(payload.substr(0, length))), "accepted") << length;
   }
   EXPECT_THAT(refusal(container(payload + "x")), HasSubstr("left over"));
+}
+
+TEST(MapFile, DamagedBlocksOfVersion3AreRefused) {
+  const std::string bytes = encoded(test::considered_small_map());
+  for (std::size_t length = 0; length < bytes.size(); length += 7) {
+    ASSERT_NE(refusal(bytes.substr(0, length)), "accepted") << length;
+  }
+  const std::string payload = bytes.substr(kHeaderSize);
+  for (std::size_t length = 0; length < payload.size(); ++length) {
+    ASSERT_NE(refusal(container(payload.substr(0, length), 3)), "accepted") << length;
+  }
+  int refused = 0;
+  for (std::size_t at = 0; at < payload.size(); ++at) {
+    for (const char value : {'\x7F', '\xFF'}) {
+      std::string changed = payload;
+      changed[at] = value;
+      refused += refusal(container(changed, 3)) == "accepted" ? 0 : 1;
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
+TEST(MapFile, ParametersAreHeldAgainstTheLength) {
+  for (const std::int32_t count : {-1, 100, 65'536, 0x7FFFFFFF, -0x7FFFFFFF}) {
+    map_parameters_t parameters{};
+    parameters.parameters = count;
+    const OneMarker map;
+    const std::string payload = record_bytes(map.header) + record_bytes(map.submap) +
+                                record_bytes(map.world) + record_bytes(parameters);
+    EXPECT_THAT(refusal(container(payload + std::string(2000, 'x'), 3)),
+                HasSubstr("parameters don't fit the file"))
+        << count;
+  }
 }
 
 TEST(MapFile, CountsAreHeldAgainstTheLength) {

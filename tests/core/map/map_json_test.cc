@@ -58,7 +58,7 @@ TEST(MapJson, GoldenForm) {
       "rms_px": 0.3125,
       "rms_all_px": 0.5,
       "markers": [
-        {"id":3,"family":"tag36h11","size_m":0.12,"stated_size_m":0.12,"position_m":[0.0,0.0,0.0],"quaternion_xyzw":[0.0,0.0,0.0,1.0],"covariance":[1e-06,0.0,0.0,0.0,-2.5e-07,0.0,0.0,2e-06,0.0,0.0,0.0,0.0,0.0,0.0,3e-06,0.0,0.0,0.0,0.0,0.0,0.0,4e-07,0.0,0.0,-2.5e-07,0.0,0.0,0.0,5e-07,0.0,0.0,0.0,0.0,0.0,0.0,6e-07],"observations":13,"rejected":1,"rms_px":0.25,"verified":true}
+        {"id":3,"family":"tag36h11","size_m":0.12,"stated_size_m":0.12,"position_m":[0.0,0.0,0.0],"quaternion_xyzw":[0.0,0.0,0.0,1.0],"covariance":[1e-06,0.0,0.0,0.0,-2.5e-07,0.0,0.0,2e-06,0.0,0.0,0.0,0.0,0.0,0.0,3e-06,0.0,0.0,0.0,0.0,0.0,0.0,4e-07,0.0,0.0,-2.5e-07,0.0,0.0,0.0,5e-07,0.0,0.0,0.0,0.0,0.0,0.0,6e-07],"covariance_metric":[1e-06,0.0,0.0,0.0,-2.5e-07,0.0,0.0,2e-06,0.0,0.0,0.0,0.0,0.0,0.0,3e-06,0.0,0.0,0.0,0.0,0.0,0.0,4e-07,0.0,0.0,-2.5e-07,0.0,0.0,0.0,5e-07,0.0,0.0,0.0,0.0,0.0,0.0,6e-07],"observations":13,"rejected":1,"rms_px":0.25,"verified":true}
       ]
     }
   ]
@@ -71,6 +71,19 @@ TEST(MapJson, ReadsBackToTheSameBytes) {
   const auto back = parse_map_json(format_map_json(test::small_map()), "map.json");
   ASSERT_TRUE(back) << back.error().message;
   EXPECT_EQ(*encode_map(*back), *encode_map(test::small_map()));
+}
+
+TEST(MapJson, WhatAMapConsidersReadsBackToTheSameBytes) {
+  const std::string text = format_map_json(test::considered_small_map());
+  EXPECT_THAT(text, HasSubstr("{\"name\":\"cam0 focal length\",\"serial\":\"00417\""));
+  const auto back = parse_map_json(text, "map.json");
+  ASSERT_TRUE(back) << back.error().message;
+  EXPECT_EQ(*encode_map(*back), *encode_map(test::considered_small_map()));
+  EXPECT_THAT(refusal(replaced(text, "\"modes\":[0.001953125,", "\"modes\":[9,")),
+              HasSubstr("modes are more than its metric covariance"));
+  EXPECT_THAT(refusal(replaced(text, "\"parameter_covariance\": [1e-06,2.5e-07,4e-06]",
+                               "\"parameter_covariance\": [1e-06,1,4e-06]")),
+              HasSubstr("the parameters' covariance is none"));
 }
 
 TEST(MapJson, SeveralFamiliesQualifyTheirIds) {

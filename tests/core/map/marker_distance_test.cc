@@ -57,6 +57,24 @@ TEST(MarkerDistance, IsTheScatterOfIndependentMarkersAndAtMostTheBoundOfDependen
   EXPECT_LT(std::sqrt(dependent / kDraws), 1.02 * *distance.sigma_bound_m);
 }
 
+TEST(MarkerDistance, WhatMarkersShareMakesNoDistanceUnsure) {
+  MapMarker from = marker_at({0, 0, 0}, {0.003, 0.003, 0.003});
+  MapMarker to = marker_at({2, 0, 0}, {0.004, 0.004, 0.004});
+  const auto consider = [](MapMarker& marker, float along_x) {
+    marker.modes(0, 2) = along_x;
+    const Eigen::Matrix<double, 6, kMapModes> modes = marker.modes.cast<double>();
+    marker.covariance_metric = marker.covariance + modes * modes.transpose();
+  };
+  consider(from, 0.25F);
+  consider(to, 0.25F);
+  const MarkerDistance alike = distance_between(from, to, FrameKind::arbitrary);
+  EXPECT_NEAR(*alike.sigma_m, 0.005, 1e-12);
+  EXPECT_NEAR(*alike.sigma_metric_m, 0.005, 1e-9);
+  consider(to, -0.25F);
+  EXPECT_NEAR(*distance_between(from, to, FrameKind::arbitrary).sigma_metric_m,
+              std::hypot(0.005, 0.5), 1e-9);
+}
+
 TEST(MarkerDistance, NothingIsInvented) {
   MapMarker from = marker_at({0, 0, 0}, {0.003, 0.003, 0.003});
   const MapMarker to = marker_at({0, 0, 0}, {0.003, 0.003, 0.003});

@@ -8,12 +8,12 @@
 namespace waymark::test {
 namespace {
 
-const AddFormat container({"MapFile",
-                           {encode_map(small_map()).value(), golden_map(1), golden_map(2)},
-                           {"WAYMARK\n"},
-                           reader([](const std::string& bytes) {
-                             return decode_map(bytes, "hall.map");
-                           })});
+const AddFormat container(
+    {"MapFile",
+     {encode_map(small_map()).value(), encode_map(considered_small_map()).value(), golden_map(1),
+      golden_map(2), golden_map(3)},
+     {"WAYMARK\n"},
+     reader([](const std::string& bytes) { return decode_map(bytes, "hall.map"); })});
 
 }  // namespace
 }  // namespace waymark::test

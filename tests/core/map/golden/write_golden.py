@@ -15,6 +15,10 @@ CAPTURE = 0x766B1129054A0D7E
 SUBMAP = 0xCA6106D3376166C1
 WORLD = 0xAE5C84C8583A5C58
 MARKER = 0x227C946B1ACB05E4
+CONSIDERED_MARKER = 0xA8AABF31AB4DA3F7
+PARAMETERS = 0xE9816007B1F441B2
+PARAMETER = 0xC47BA689475582ED
+PARAMETER_COVARIANCE = 0xE72090920B1C210F
 
 
 def crc32c(data):
@@ -56,6 +60,28 @@ def marker(family, number, stated_size_m, size_m, position, xyzw, covariance, ob
         verified)
 
 
+def considered_marker(family, number, stated_size_m, size_m, position, xyzw, metric, modes, covariance, observations,
+                      rejected, rms_px, verified):
+    return struct.pack(">Qii", CONSIDERED_MARKER, family, number) + struct.pack(
+        ">2d3d4d21d96f21fiid?", stated_size_m, size_m, *position, *xyzw, *metric, *modes, *covariance, observations,
+        rejected, rms_px, verified)
+
+
+def parameters(names_serials_cross, covariance):
+    return (struct.pack(">Qi", PARAMETERS, len(names_serials_cross)) +
+            b"".join(struct.pack(">Q48s64s16d", PARAMETER, name.encode(), serial.encode(), *cross)
+                     for name, serial, cross in names_serials_cross) +
+            b"".join(struct.pack(">Qd", PARAMETER_COVARIANCE, one) for one in covariance))
+
+
+def triangle(variances, more=None):
+    return [variances[i] if i == j else (more or {}).get((i, j), 0.0) for i in range(6) for j in range(i + 1)]
+
+
+def modes(values):
+    return [values.get((row, mode), 0.0) for row in range(6) for mode in range(16)]
+
+
 def diagonal(values):
     return [values[i] if i == j else 0.0 for i in range(6) for j in range(6)]
 
@@ -85,10 +111,27 @@ def version_2():
                      marker(ARUCO_4X4_50, 7, 0.2, 0.2, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), [0.0] * 36, 4, 0, 0.125, True))
 
 
+def version_3():
+    metric = triangle([1e-5, 2e-5, 3e-6, 4e-6, 5e-6, 6e-6], {(1, 0): 2.5e-7})
+    within = triangle([2.0 ** -20] * 6)
+    unknown = [math.nan] * 21
+    return container(3, header(1, 2, "0.2.0", "0123456789abcdef") + capture("00000000000000aa") +
+                     submap(0, 2, 42, 0.25, 0.5) + world(True) +
+                     parameters([("cam0 focal length", "00417", [0.5e-3] + [0.0] * 15), ("size 0.12 m", "", [0.0] * 16)],
+                                [1e-6, 2.5e-7, 4e-6]) +
+                     considered_marker(TAG36H11, 3, 0.12, 0.1205, (1.5, -0.25, 0.125), UPRIGHT, metric,
+                                       modes({(0, 0): 2.0 ** -10, (5, 15): 2.0 ** -11}), within, 13, 1, 0.25, True) +
+                     considered_marker(TAG36H11, 586, 0.12, 0.12, (4.0, 2.0, 1.0), TURNED, unknown, modes({}), unknown,
+                                       0, 0, 0.0, False) +
+                     submap(0, 1, 5, 0.125, 0.125) + world(False) + parameters([], []) +
+                     considered_marker(ARUCO_4X4_50, 7, 0.2, 0.2, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0), unknown,
+                                       modes({}), triangle([2.0 ** -20] * 6), 4, 0, 0.125, True))
+
+
 def main():
     check = sys.argv[1] == "--check"
     folder = pathlib.Path(sys.argv[2 if check else 1])
-    for name, content in (("version_1.map", version_1()), ("version_2.map", version_2())):
+    for name, content in (("version_1.map", version_1()), ("version_2.map", version_2()), ("version_3.map", version_3())):
         if not check:
             (folder / name).write_bytes(content)
         elif (folder / name).read_bytes() != content:
