@@ -1,8 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "core/base/range.h"
+#include "core/marker/family.h"
 #include "locd/frames/image_health.h"
 #include "locd/frames/skew_watch.h"
 #include "locd/pose/motion_filter.h"
@@ -21,6 +23,9 @@ struct LocalizerOptions {
   /// Cameras that ran before the program did: see ImageHealthOptions. A capture's first images are
   /// as good as any.
   bool doubt_first_images = false;
+  std::vector<Family> inverted;  ///< families that are printed white for black
+  /// Look for markers where the prediction has them, and in the whole images by turns.
+  bool guided = true;
   int detection_threads = 0;  ///< 0: one per camera, at most as many as there are processors
   /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
   std::function<void()> begin_worker;
