@@ -46,8 +46,8 @@ class MarkerJudge {
 
   MarkerDiagnosis diagnose() {
     MarkerDiagnosis diagnosis;
-    diagnosis.misshapen = find_misshapen_markers(evidence_, options_.shape);
-    diagnosis.sizes = find_wrong_sizes(evidence_, options_.size);
+    diagnosis.misshapen = find_misshapen_markers(evidence_, options_.prints);
+    diagnosis.sizes = find_wrong_sizes(evidence_, options_.prints);
     std::vector<MarkerIndex> judged = evidence_.markers();
     // One that is narrower than high seems to be smaller, and where it is not.
     for (const MisshapenMarker& one : diagnosis.misshapen) {
@@ -267,8 +267,7 @@ class MarkerJudge {
 
 Status DiagnosisOptions::check() const {
   return RangeCheck()
-      .part("shape", shape.check())
-      .part("size", size.check())
+      .part("prints", prints.check())
       .part("places", places.check())
       .part("history", history.check())
       .part("wrong_ids", wrong_ids.check())

@@ -15,8 +15,7 @@ namespace waymark {
 
 /// Options of the diagnosis of markers.
 struct DiagnosisOptions {
-  ShapeOptions shape;
-  SizeOptions size;
+  OddPrintOptions prints;
   PlaceOptions places;
   HistoryOptions history;
   WrongIdOptions wrong_ids;

@@ -4,8 +4,6 @@
 #include <cmath>
 
 #include "core/base/parallel.h"
-#include "core/base/range.h"
-#include "mapbuilder/diagnosis/print_fit.h"
 #include "mapbuilder/diagnosis/scatter.h"
 #include "mapbuilder/diagnosis/view_placement.h"
 
@@ -51,17 +49,6 @@ std::vector<ShapeFit> fit_shapes(const MapEvidence& evidence, std::size_t least_
   return fits;
 }
 
-/// Whether three in four views fit the print as fitted: a marker that stands in two places, or
-/// shows something else, can pass for one of odd shape.
-bool is_held(std::span<const MarkerView> views, const PrintedPose& place,
-             const MapEvidence& evidence) {
-  constexpr double kLeastFitting = 0.75;
-  const auto fitting = std::count_if(views.begin(), views.end(), [&](const MarkerView& view) {
-    return misfit_sigmas2(view, place) <= evidence.gate_sigmas2();
-  });
-  return static_cast<double>(fitting) >= kLeastFitting * static_cast<double>(views.size());
-}
-
 /// Whether the shape takes two fifths of what the views leave of a square, whatever its size: a
 /// lens or a rig that misfits bends markers, too, but each view otherwise.
 bool is_explained_by_shape(std::span<const MarkerView> views, const PrintFit& shape,
@@ -75,17 +62,8 @@ bool is_explained_by_shape(std::span<const MarkerView> views, const PrintFit& sh
 
 }  // namespace
 
-Status ShapeOptions::check() const {
-  return RangeCheck()
-      .field("least_sigmas", least_sigmas, {3, 20})
-      .field("least_deviation", least_deviation, {0.005, 0.2})
-      .field("least_views", least_views, {3, 50})
-      .field("least_markers", least_markers, {3, 50})
-      .status();
-}
-
 std::vector<MisshapenMarker> find_misshapen_markers(const MapEvidence& evidence,
-                                                    const ShapeOptions& options) {
+                                                    const OddPrintOptions& options) {
   constexpr std::size_t kFitViews = 64;
   const auto least_views = static_cast<std::size_t>(options.least_views);
   const std::vector<ShapeFit> shapes = fit_shapes(evidence, least_views);
@@ -95,7 +73,7 @@ std::vector<MisshapenMarker> find_misshapen_markers(const MapEvidence& evidence,
   for (const ShapeFit& shape : shapes) stretches.push_back(stretch_of(shape.fit));
   const Scatter scatter = scatter_of(stretches);
   const auto stands_out = [&](const PrintFit& fit) {
-    return std::abs(fit.place.stretch - scatter.centre) > options.least_deviation &&
+    return std::abs(fit.place.stretch - scatter.centre) > options.least_stretch &&
            scatter.excludes(stretch_of(fit), options.least_sigmas);
   };
   for (const ShapeFit& suspect : shapes) {
@@ -103,7 +81,7 @@ std::vector<MisshapenMarker> find_misshapen_markers(const MapEvidence& evidence,
     const auto views = thinned(evidence.independent_views_of(suspect.marker, 2), kFitViews);
     if (views.size() < least_views) continue;
     const auto fit = fit_shape(views, suspect.fit.place, evidence);
-    if (!fit || !stands_out(*fit) || !is_held(views, fit->place, evidence) ||
+    if (!fit || !stands_out(*fit) || views_that_fit(views, fit->place, evidence).empty() ||
         !is_explained_by_shape(views, *fit, evidence)) {
       continue;
     }

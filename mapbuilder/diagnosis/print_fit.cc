@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/base/range.h"
 #include "core/geometry/levenberg_marquardt.h"
 #include "core/geometry/symmetric_factor.h"
 #include "core/marker/marker_geometry.h"
@@ -111,6 +112,27 @@ double misfit_sigmas2(const MarkerView& view, const PrintedPose& place) {
   double sum = 0;
   for (const LinearizedCorner& corner : *corners) sum += corner.residual.squaredNorm();
   return sum;
+}
+
+std::vector<MarkerView> views_that_fit(std::vector<MarkerView> views, const PrintedPose& place,
+                                       const MapEvidence& evidence) {
+  constexpr double kLeastFitting = 0.75;
+  const double least = kLeastFitting * static_cast<double>(views.size());
+  std::erase_if(views, [&](const MarkerView& view) {
+    return misfit_sigmas2(view, place) > evidence.gate_sigmas2();
+  });
+  if (static_cast<double>(views.size()) < least) views.clear();
+  return views;
+}
+
+Status OddPrintOptions::check() const {
+  return RangeCheck()
+      .field("least_sigmas", least_sigmas, {3, 20})
+      .field("least_size_deviation", least_size_deviation, {0.005, 0.2})
+      .field("least_stretch", least_stretch, {0.005, 0.2})
+      .field("least_views", least_views, {3, 50})
+      .field("least_markers", least_markers, {3, 50})
+      .status();
 }
 
 }  // namespace waymark

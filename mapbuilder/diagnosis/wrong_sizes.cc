@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "core/base/parallel.h"
-#include "core/base/range.h"
-#include "mapbuilder/diagnosis/print_fit.h"
 #include "mapbuilder/diagnosis/scatter.h"
 #include "mapbuilder/diagnosis/view_placement.h"
 
@@ -46,16 +44,8 @@ std::optional<PrintFit> fit_from_afar(std::span<const MarkerView> views,
 
 }  // namespace
 
-Status SizeOptions::check() const {
-  return RangeCheck()
-      .field("least_sigmas", least_sigmas, {3, 20})
-      .field("least_deviation", least_deviation, {0.005, 0.2})
-      .field("least_views", least_views, {3, 50})
-      .field("least_markers", least_markers, {3, 50})
-      .status();
-}
-
-std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeOptions& options) {
+std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence,
+                                        const OddPrintOptions& options) {
   constexpr std::size_t kScreeningViews = 32;
   constexpr std::size_t kFitViews = 64;
   const auto least_views = static_cast<std::size_t>(options.least_views);
@@ -83,7 +73,7 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
   for (const Deviation& deviation : deviations) log_factors.push_back(deviation.log_factor);
   const Scatter scatter = scatter_of(log_factors);
   const auto stands_out = [&](const Measured& log_factor, double share) {
-    return std::abs(log_factor.value - scatter.centre) > share * options.least_deviation &&
+    return std::abs(log_factor.value - scatter.centre) > share * options.least_size_deviation &&
            scatter.excludes(log_factor, share * options.least_sigmas);
   };
   for (const Deviation& suspect : deviations) {
@@ -93,21 +83,13 @@ std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence, const SizeO
     if (views.size() < least_views) continue;
     auto fit = fit_from_afar(views, evidence);
     if (!fit) continue;
-    // A marker that stands in two places can pass for one of odd size; then views contradict it.
-    const double used_m = evidence.size_m(suspect.marker);
-    std::vector<MarkerView> fitting = views;
-    std::erase_if(fitting, [&](const MarkerView& view) {
-      return misfit_sigmas2(view, fit->place) > evidence.gate_sigmas2();
-    });
-    constexpr double kLeastFitting = 0.75;
-    if (static_cast<double>(fitting.size()) < kLeastFitting * static_cast<double>(views.size())) {
-      continue;
-    }
+    const auto fitting = views_that_fit(views, fit->place, evidence);
+    if (fitting.empty()) continue;
     fit = fit_size(fitting, fit->place, evidence);
     if (!fit || !stands_out(deviation_of(evidence, suspect.marker, *fit), 1.0)) {
       continue;
     }
-    const double fitted_m = used_m * fit->place.factor;
+    const double fitted_m = evidence.size_m(suspect.marker) * fit->place.factor;
     wrong.push_back({suspect.marker, evidence.stated_size_m(suspect.marker), fitted_m,
                      fitted_m * std::hypot(fit->factor_sigma, scatter.spread), scatter.spread,
                      fitting.size(), deviations.size() - 1});

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "mapbuilder/diagnosis/map_evidence.h"
+#include "mapbuilder/diagnosis/print_fit.h"
 
 namespace waymark {
 
@@ -17,27 +17,10 @@ struct WrongSize {
   std::size_t markers = 0;  ///< that tell the spread
 };
 
-/// When a size counts as wrong.
-struct SizeOptions {
-  /// (3–20) Deviation from what all other markers show, in sigmas of the fit and of their spread
-  /// together: with hundreds of markers and tails that are wider than Gaussian, 6 names no sound
-  /// one.
-  double least_sigmas = 6.0;
-  /// (0.005–0.2, relative) Below, print and calibration are to blame as well: refinement's job.
-  double least_deviation = 0.03;
-  /// (3–50) Views that tell a size; fewer can't contradict each other.
-  int least_views = 3;
-  /// (3–50) Other markers that tell the spread; among fewer nobody knows who is wrong.
-  int least_markers = 5;
-
-  /// usage, naming the first field that lies outside its range.
-  [[nodiscard]] Status check() const;
-};
-
-/// Markers of wrong size, by falling certainty. Each marker's size is fitted with the cameras
-/// where the map has them; one that stands out is fitted again with cameras that other markers
-/// place alone. `unmapped` views count as well: a size may be so wrong that nothing was accepted.
+/// Markers of wrong size, by rising index. Each marker's size is fitted with the cameras where the
+/// map has them; one that stands out is fitted again with cameras that other markers place alone.
+/// Views that the map rejects count as well: a size may be so wrong that nothing was accepted.
 [[nodiscard]] std::vector<WrongSize> find_wrong_sizes(const MapEvidence& evidence,
-                                                      const SizeOptions& options);
+                                                      const OddPrintOptions& options);
 
 }  // namespace waymark

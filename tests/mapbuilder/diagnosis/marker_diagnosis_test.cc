@@ -8,16 +8,12 @@ namespace waymark {
 namespace {
 
 TEST(DiagnosisOptions, AreHeldToTheirRanges) {
-  expect_ranges<ShapeOptions>(
-      {ranged("least_sigmas", &ShapeOptions::least_sigmas, {3, 20}),
-       ranged("least_deviation", &ShapeOptions::least_deviation, {0.005, 0.2}),
-       ranged("least_views", &ShapeOptions::least_views, {3, 50}),
-       ranged("least_markers", &ShapeOptions::least_markers, {3, 50})});
-  expect_ranges<SizeOptions>(
-      {ranged("least_sigmas", &SizeOptions::least_sigmas, {3, 20}),
-       ranged("least_deviation", &SizeOptions::least_deviation, {0.005, 0.2}),
-       ranged("least_views", &SizeOptions::least_views, {3, 50}),
-       ranged("least_markers", &SizeOptions::least_markers, {3, 50})});
+  expect_ranges<OddPrintOptions>(
+      {ranged("least_sigmas", &OddPrintOptions::least_sigmas, {3, 20}),
+       ranged("least_size_deviation", &OddPrintOptions::least_size_deviation, {0.005, 0.2}),
+       ranged("least_stretch", &OddPrintOptions::least_stretch, {0.005, 0.2}),
+       ranged("least_views", &OddPrintOptions::least_views, {3, 50}),
+       ranged("least_markers", &OddPrintOptions::least_markers, {3, 50})});
   expect_ranges<PlaceOptions>(
       {ranged("least_views", &PlaceOptions::least_views, {3, 50}),
        ranged("least_parallax_rad", &PlaceOptions::least_parallax_rad, {0.008, 0.5}),
