@@ -156,7 +156,7 @@ class CaptureExplainer {
     });
     alone = telling_images({std::move(alone)}).front();
     if (capture.rig.cameras.size() > 1 && is_acquitted(alone, lens)) return;
-    refine_lens(alone, camera, CameraParameters(lens.parameters), lens);
+    refine_lens(alone, camera, lens.parameters, lens);
     const CameraParameters stated = capture.rig.cameras[camera].model.parameters();
     for (const double factor : {0.8, 1.25, 0.65, 1.5}) {
       if (!is_poor(lens.fitted)) return;
@@ -178,7 +178,7 @@ class CaptureExplainer {
   }
 
   /// Takes the lens that a camera's images refine `start` to, where they fit that better.
-  void refine_lens(DetectedCapture alone, std::size_t camera, const CameraParameters& start,
+  void refine_lens(DetectedCapture alone, std::size_t camera, CameraParameters start,
                    CameraLens& lens) const {
     auto model = CameraModel::create(start);
     if (!model) return;
