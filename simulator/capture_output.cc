@@ -62,6 +62,13 @@ std::string frames_csv(const SimulatedRig& rig, const CapturePlan& plan, double 
   return text;
 }
 
+/// The rig as the file of one without transforms tells it: each camera is a frame of its own.
+Rig without_places(Rig rig) {
+  rig.has_extrinsics = false;
+  for (RigCamera& camera : rig.cameras) camera.rig_from_cam = Rigid3{};
+  return rig;
+}
+
 }  // namespace
 
 Status create_folder(const fs::path& path) {
@@ -106,8 +113,7 @@ CaptureOutput::~CaptureOutput() {
 Status CaptureOutput::write_description(const Scene& scene, const SimulatedRig& rig,
                                         const CapturePlan& plan, double exposure_s,
                                         const std::string& session) const {
-  Rig told = stated_exact(rig.rig);
-  if (rig.mono) told.has_extrinsics = false;
+  const Rig told = stated_exact(rig.mono ? without_places(rig.rig) : rig.rig);
   if (auto status = create_folder(folder_ / "groundtruth"); !status) return status;
   const std::string capture_toml = fmt::format(
       "clock = \"realtime\"\nsession = \"{}\"\nsoftware = \"waymark simulator\"\n", session);
