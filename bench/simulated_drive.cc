@@ -15,6 +15,8 @@ Stamp to_stamp(double seconds) { return kStart + Stamp(std::llround(seconds * 1e
 SimulatedDrive::SimulatedDrive(const simulator::Scene& building, const Rig& rig,
                                const DriveOptions& options)
     : rig_(rig),
+      cam0_from_rig_(rig.cameras.front().rig_from_cam.inverse()),
+      noise_px_(options.noise_px),
       options_(options),
       way_(building.trajectory),
       random_(options.seed),
@@ -30,8 +32,11 @@ void SimulatedDrive::rebuild(const simulator::Scene& building) {
 
 Rigid3 SimulatedDrive::world_from_rig(Stamp stamp) const {
   const double time_s = in_s(stamp - kStart);
-  return way_.world_from_cam0(time_s * options_.speed_mps) *
-         rig_.cameras.front().rig_from_cam.inverse();
+  return way_.world_from_cam0(options_.start_m + time_s * options_.speed_mps) * cam0_from_rig_;
+}
+
+Rigid3 SimulatedDrive::world_from_rig_at_set(int set) const {
+  return world_from_rig(to_stamp(set * options_.period_s));
 }
 
 double SimulatedDrive::turn_rate(Stamp stamp) const {
@@ -52,6 +57,24 @@ MarkerId SimulatedDrive::misread(const MarkerId& truth) {
   }
 }
 
+void SimulatedDrive::roll(std::size_t camera, Stamp middle, const simulator::PlacedMarker& marker,
+                          ImageCorners& corners) const {
+  if (options_.readout_s == 0) return;
+  const CameraModel& model = rig_.cameras[camera].model;
+  const double rows = model.parameters().height_px;
+  const auto in_marker = marker_corners(marker.size_m);
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (int round = 0; round < 3; ++round) {
+      const double after_s = options_.readout_s * (corners[i].y() - 0.5 * (rows - 1)) / rows;
+      const Rigid3 world_from_cam = world_from_rig(middle + Stamp(std::llround(after_s * 1e9))) *
+                                    rig_.cameras[camera].rig_from_cam;
+      const auto pixel =
+          model.project(world_from_cam.inverse() * (marker.world_from_marker * in_marker[i]));
+      if (pixel) corners[i] = *pixel;
+    }
+  }
+}
+
 FrameSetLease SimulatedDrive::next() {
   FrameSetLease set;
   set.sequence = sets_;
@@ -64,7 +87,8 @@ FrameSetLease SimulatedDrive::next() {
     image.camera = static_cast<int>(c);
     image.stamp = to_stamp(time_s + (c < 3 ? options_.offset_s[c] : 0));
     if (random_.uniform() < options_.drop_out_rate) continue;
-    const Rigid3 world_from_cam = world_from_rig(image.stamp) * rig_.cameras[c].rig_from_cam;
+    const Stamp exposed = image.stamp - Stamp(std::llround((c < 3 ? options_.late_s[c] : 0) * 1e9));
+    const Rigid3 world_from_cam = world_from_rig(exposed) * rig_.cameras[c].rig_from_cam;
     for (const auto& seen : visibility_->visible_from(rig_.cameras[c].model, world_from_cam)) {
       if (random_.uniform() < options_.miss_rate) continue;
       visible_.push_back(seen.marker);
@@ -72,8 +96,9 @@ FrameSetLease SimulatedDrive::next() {
       detection.marker = building_.markers[seen.marker].id;
       if (random_.uniform() < options_.false_rate) detection.marker = misread(detection.marker);
       detection.corners = seen.corners;
+      roll(c, exposed, building_.markers[seen.marker], detection.corners);
       for (Eigen::Vector2d& corner : detection.corners) {
-        corner += options_.noise_px * Eigen::Vector2d(random_.normal(), random_.normal());
+        corner += noise_px_ * Eigen::Vector2d(random_.normal(), random_.normal());
       }
       detection.covariances.emplace();
       detection.covariances->fill(options_.noise_px * options_.noise_px *

@@ -11,8 +11,9 @@ namespace waymark {
 namespace {
 
 constexpr std::array<std::string_view, kAlertKinds> kNames = {
-    "MOVED", "UNKNOWN", "FROZEN",   "DARK", "SATURATED", "OBSCURED", "EXTRINSICS",
-    "SWAP",  "MISSING", "UNSYNCED", "SKEW", "SETTINGS",  "STALE",    "UNSEARCHED"};
+    "MOVED",      "UNKNOWN", "FROZEN",   "DARK",      "SATURATED", "OBSCURED", "EXTRINSICS",
+    "SWAP",       "MISSING", "UNSYNCED", "SKEW",      "SETTINGS",  "STALE",    "UNSEARCHED",
+    "INTRINSICS", "READOUT", "NOISE",    "WRONG_MAP", "RIDING"};
 
 std::string camera_name(const Rig& rig, int camera) {
   if (camera < 0 || static_cast<std::size_t>(camera) >= rig.cameras.size()) return "the rig";
@@ -24,6 +25,12 @@ std::string away_from(const Alert& alert) {
   if (!std::isfinite(alert.offset_m) || !std::isfinite(alert.offset_rad)) return "elsewhere than";
   const double offset_deg = alert.offset_rad * 180.0 / std::numbers::pi;
   return fmt::format("{:.3f} m and {:.1f} deg from", alert.offset_m, offset_deg);
+}
+
+/// "-20.1 ms (± 0.3)", or "some ms" where it is not known.
+std::string figure(double value, double sigma, const char* unit) {
+  if (!std::isfinite(value) || !std::isfinite(sigma)) return fmt::format("some {}", unit);
+  return fmt::format("{:+.2f} {} (± {:.2f})", value, unit, sigma);
 }
 
 /// What is wrong, and what to do.
@@ -64,7 +71,32 @@ std::string raised_text(const Alert& alert, const std::string& marker, const std
     case AlertKind::stamps_unsynced:
       return fmt::format("{}'s stamps can't be believed; arrival times are used", camera);
     case AlertKind::stamps_skewed:
-      return "the cameras do not expose together; check the trigger";
+      if (alert.camera < 0) return "the cameras do not expose together; check the trigger";
+      return fmt::format(
+          "{}'s images were taken {} after what their stamps say; it is not used where others "
+          "suffice; set stamp_delay_us, or look for what delays them",
+          camera, figure(1e3 * alert.value, 1e3 * alert.sigma, "ms"));
+    case AlertKind::lens_off:
+      return fmt::format(
+          "{}'s lens is not what the rig file says: focal length by {}, or its distortion; it is "
+          "not used where others suffice; was it turned, or refocused? calibrate it",
+          camera, figure(100 * alert.value, 100 * alert.sigma, "%"));
+    case AlertKind::readout_off:
+      return fmt::format(
+          "{}'s rows are read {} longer than readout_us says; it is not used where others suffice; "
+          "state it in the rig file",
+          camera, figure(1e3 * alert.value, 1e3 * alert.sigma, "ms"));
+    case AlertKind::corners_noisy:
+      return fmt::format(
+          "{}'s corners are ten times less certain than usual; sigmas follow; dirt, vibration, a "
+          "lens out of focus, too little light?",
+          camera);
+    case AlertKind::map_wrong:
+      return "markers do not hang where the map says, all over; is it the map of this floor?";
+    case AlertKind::marker_riding:
+      return fmt::format(
+          "marker {} moves along with the vehicle; it is not used; cover it, or ignore its id",
+          marker);
     case AlertKind::settings_changed:
       return fmt::format(
           "another program changes settings of {}; they are set again, stamps are approximate "
@@ -97,7 +129,7 @@ std::string over_text(const Alert& alert, const std::string& marker, const std::
     case AlertKind::image_obscured:
       return fmt::format("{} sees something again; it is used again", camera);
     case AlertKind::extrinsics_off:
-      return fmt::format("{} stands where the rig file says", camera);
+      return fmt::format("{} stands where the rig file says; it is used again", camera);
     case AlertKind::cameras_swapped:
       return fmt::format("{} and {} are each in their own place", camera, other);
     case AlertKind::camera_missing:
@@ -105,7 +137,18 @@ std::string over_text(const Alert& alert, const std::string& marker, const std::
     case AlertKind::stamps_unsynced:
       return fmt::format("{}'s stamps are believed again", camera);
     case AlertKind::stamps_skewed:
-      return "the cameras expose together";
+      if (alert.camera < 0) return "the cameras expose together";
+      return fmt::format("{}'s images are as old as their stamps; it is used again", camera);
+    case AlertKind::lens_off:
+      return fmt::format("{}'s lens is what the rig file says; it is used again", camera);
+    case AlertKind::readout_off:
+      return fmt::format("{}'s rows are read as stated; it is used again", camera);
+    case AlertKind::corners_noisy:
+      return fmt::format("{}'s corners are as certain as usual", camera);
+    case AlertKind::map_wrong:
+      return "markers hang where the map says";
+    case AlertKind::marker_riding:
+      return fmt::format("marker {} hangs where the map says; it is used again", marker);
     case AlertKind::settings_changed:
       return fmt::format("{} keeps its settings", camera);
   }

@@ -28,8 +28,13 @@ enum class AlertKind : std::int8_t {
   settings_changed = 11,  ///< SETTINGS: another program sets exposure, gain or focus of a camera
   image_stale = 12,       ///< STALE: the camera gives images that it gave before
   image_unsearched = 13,  ///< UNSEARCHED: the library that finds markers fails on its images
+  lens_off = 14,          ///< INTRINSICS: a camera's lens is not what the rig file says
+  readout_off = 15,       ///< READOUT: a camera's rows are not read in the time that is stated
+  corners_noisy = 16,     ///< NOISE: corners are ten times noisier than usual
+  map_wrong = 17,         ///< WRONG_MAP: markers hang where no map that is loaded says
+  marker_riding = 18,     ///< RIDING: a marker moves along with the vehicle
 };
-inline constexpr std::size_t kAlertKinds = 14;
+inline constexpr std::size_t kAlertKinds = 19;
 
 /// "MOVED", "FROZEN", …
 [[nodiscard]] std::string_view name_of(AlertKind kind);
@@ -46,6 +51,10 @@ struct Alert {
   /// How far off, where that is a length or an angle: a marker's or a camera's offset.
   double offset_m = std::numeric_limits<double>::quiet_NaN();
   double offset_rad = std::numeric_limits<double>::quiet_NaN();
+  /// What it should be instead, less what is stated, and how sure that is: of a lens the share of
+  /// its focal length, of a clock or a read-out s; of noise the corners' sigma (px).
+  double value = std::numeric_limits<double>::quiet_NaN();
+  double sigma = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// Whether two alerts are of the same kind and of the same marker, camera or pair of cameras: what

@@ -8,6 +8,7 @@
 
 #include "core/base/check.h"
 #include "core/geometry/symmetric_factor.h"
+#include "locd/pose/localizer_options.h"
 #include "locd/pose/pose_estimate.h"
 #include "locd/pose/pose_gate.h"
 #include "simulator/rig_library.h"
@@ -27,6 +28,14 @@ inline Rig rig_named(const std::string& name) {
   auto rig = simulator::load_rig(name);
   WAYMARK_CHECK(rig.has_value());
   return rig->rig;
+}
+
+/// The simulated rig is what locd is told, without any error of calibration or prints.
+inline LocalizerOptions exactly_told() {
+  LocalizerOptions options;
+  options.calibration = CalibrationSigmas::exact();
+  options.size_sigma = 0;
+  return options;
 }
 
 /// Errors of poses, and what was claimed of them.

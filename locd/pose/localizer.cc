@@ -9,16 +9,28 @@
 #include "core/base/check.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/image_health.h"
-#include "locd/pose/camera_watch.h"
-#include "locd/pose/corner_noise.h"
 #include "locd/pose/detection_watch.h"
+#include "locd/pose/error_model.h"
 #include "locd/pose/frame_detector.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
+#include "locd/pose/riding_watch.h"
 #include "locd/pose/robust_pose.h"
+#include "locd/pose/swap_watch.h"
 
 namespace waymark {
-namespace {}  // namespace
+namespace {
+
+/// What inliers leave is more than noise and calibration do: something is wrong that no marker
+/// alone shows. Noise is known to about a fifth of its variance.
+bool contradicts_itself(const PoseSolution& solution) {
+  constexpr double kNoiseUnsure = 1.25;
+  constexpr double kSigmas = 5.0;
+  const double f = solution.freedoms;
+  return solution.misfit > kNoiseUnsure * (f + kSigmas * std::sqrt(2 * f));
+}
+
+}  // namespace
 
 struct Localizer::Implementation {
   Implementation(const Rig& rig_in, const MarkerMap& map_in, const LocalizerOptions& options_in)
@@ -30,11 +42,14 @@ struct Localizer::Implementation {
         gate(options.gate),
         motion(options.motion()),
         map_watch(map, robust.solver()),
-        camera_watch(rig, map),
+        error_model(rig, map, map_watch, options.calibration_sigmas(), options.size_sigma),
+        swap_watch(rig, map),
+        riding_watch(map, robust.solver()),
         health(rig.cameras.size(), options.image_health()),
         skew_watch({options.triggered, options.negligible_skew}) {
     observations.reserve(kMaxObservations);
-    quarantined.reserve(kMaxObservations);
+    others.reserve(kMaxObservations);
+    all.reserve(kMaxObservations);
     alerts.reserve(kMaxObservations);
     candidates.reserve(2 * kMaxObservations);
     WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
@@ -53,7 +68,9 @@ struct Localizer::Implementation {
   void judge(const FrameSetLease& set, const PoseSolution& solution,
              const std::optional<MotionPrediction>& prior, PoseEstimate& estimate);
   [[nodiscard]] bool some_camera_disagrees() const;
-  void learn_noise();
+  void leave_suspects_out(PoseEstimate& estimate);
+  void gather_all();
+  void look_for_riding(Stamp stamp);
   void watch(const PoseSolution& solution, PoseEstimate& estimate);
 
   Rig rig;
@@ -63,9 +80,10 @@ struct Localizer::Implementation {
   RobustPose robust;
   PoseGate gate;
   MotionFilter motion;
-  std::optional<CornerNoise> noise;
   MapWatch map_watch;
-  CameraWatch camera_watch;
+  ErrorModel error_model;
+  SwapWatch swap_watch;
+  RidingWatch riding_watch;
   ImageHealth health;
   SkewWatch skew_watch;
   DetectionWatch detection_watch;
@@ -79,7 +97,8 @@ struct Localizer::Implementation {
   };
   std::vector<Candidate> candidates;
   std::vector<SetObservation> observations;
-  std::vector<SetObservation> quarantined;  ///< held against the pose, take no part in it
+  std::vector<SetObservation> others;  ///< held against the pose, take no part in it
+  std::vector<SetObservation> all;     ///< both
   std::vector<Alert> alerts;
 };
 
@@ -96,6 +115,7 @@ void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate&
   const Stamp detected = monotonic_now();
   find_candidates(set);
   observe(estimate);
+  leave_suspects_out(estimate);
   time_observations(set, estimate);
   solve(set, estimate);
   estimate.times.detect = detected - started;
@@ -141,7 +161,7 @@ void Localizer::Implementation::find_candidates(const FrameSetLease& set) {
 /// Every candidate with what is known of its marker.
 void Localizer::Implementation::observe(PoseEstimate& estimate) {
   observations.clear();
-  quarantined.clear();
+  others.clear();
   for (const Candidate& candidate : candidates) {
     const auto detections = detector.detections_of(candidate.camera);
     observe(candidate.camera, detections[candidate.index], estimate);
@@ -171,7 +191,7 @@ void Localizer::Implementation::observe(std::size_t camera, const Detection& det
   } else {
     const bool use = !map.quarantined(*map_index);
     if (!use) seen.verdict = ObservationVerdict::quarantined;
-    SetObservation& o = (use ? observations : quarantined).emplace_back();
+    SetObservation& o = (use ? observations : others).emplace_back();
     o.observation.camera = static_cast<int>(camera);
     o.observation.size_m = map.marker(*map_index).size_m;
     o.detected_px = detection.corners;
@@ -180,11 +200,29 @@ void Localizer::Implementation::observe(std::size_t camera, const Detection& det
     } else {
       o.stated.fill(Eigen::Matrix2d::Zero());
     }
-    if (!noise) noise.emplace(detection.covariances.has_value());
+    if (!error_model.begun()) error_model.begin(detection.covariances.has_value());
     o.map_index = *map_index;
     o.report_index = estimate.observations.size();
   }
   estimate.observations.push_back(seen);
+}
+
+/// Cameras that were named take no part where the others show two markers.
+void Localizer::Implementation::leave_suspects_out(PoseEstimate& estimate) {
+  constexpr std::size_t kEnough = 2;
+  const CameraMask suspects = error_model.suspects();
+  if (suspects == 0) return;
+  const auto is_sound = [&](const SetObservation& o) {
+    return (suspects & camera_bit(static_cast<std::size_t>(o.observation.camera))) == 0;
+  };
+  const auto sound = std::count_if(observations.begin(), observations.end(), is_sound);
+  if (static_cast<std::size_t>(sound) < kEnough) return;
+  const auto end = std::stable_partition(observations.begin(), observations.end(), is_sound);
+  for (auto o = end; o != observations.end(); ++o) {
+    estimate.observations[o->report_index].verdict = ObservationVerdict::quarantined;
+    others.push_back(*o);
+  }
+  observations.erase(end, observations.end());
 }
 
 /// The set's instant, and each corner's from there: the cameras' skew and their rows' read-out.
@@ -215,11 +253,12 @@ void Localizer::Implementation::time_observations(const FrameSetLease& set,
     const double rows = camera.model.parameters().height_px;
     for (std::size_t i = 0; i < 4; ++i) {
       // The stamp is of the middle row, (rows − 1)/2.
-      o.after_s[i] = offset_s + readout_s * (o.detected_px[i].y() - 0.5 * (rows - 1)) / rows;
+      o.row[i] = (o.detected_px[i].y() - 0.5 * (rows - 1)) / rows;
+      o.after_s[i] = offset_s + readout_s * o.row[i];
     }
   };
   std::for_each(observations.begin(), observations.end(), time_corners);
-  std::for_each(quarantined.begin(), quarantined.end(), time_corners);
+  std::for_each(others.begin(), others.end(), time_corners);
 }
 
 void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& estimate) {
@@ -229,33 +268,61 @@ void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& es
   if (prior) velocity = {prior->velocity, prior->velocity_covariance};
   std::optional<Rigid3> predicted;
   if (prior) predicted = prior->world_from_rig;
-  const auto solution = robust.solve(observations, predicted, velocity, noise->model_sigma_px());
+  const auto solution = robust.solve(observations, predicted, velocity, error_model.known());
   if (!solution) {
+    map_watch.look_at_fit(estimate.stamp, 0, static_cast<int>(observations.size()), alerts);
+    gather_all();
+    look_for_riding(estimate.stamp);
+    error_model.learn_noise(estimate.stamp, all, nullptr, robust.solver(), alerts);
     estimate.lose_pose(PoseReason::no_solution);
     return;
   }
   report(*solution, estimate);
+  map_watch.look_at_fit(estimate.stamp, solution->inlier_markers, solution->outlier_markers,
+                        alerts);
   judge(set, *solution, prior, estimate);
   const Stamp judged = monotonic_now();
-  robust.hold_against(quarantined, *solution, noise->model_sigma_px());
+  robust.hold_against(others, *solution, error_model.known());
   watch(*solution, estimate);
   estimate.times.watch = monotonic_now() - judged;
 }
 
+void Localizer::Implementation::gather_all() {
+  all.assign(observations.begin(), observations.end());
+  all.insert(all.end(), others.begin(), others.end());
+}
+
+void Localizer::Implementation::look_for_riding(Stamp stamp) {
+  for (const std::size_t map_index : riding_watch.look(all)) {
+    map_watch.quarantine_riding(stamp, map_index, alerts);
+    error_model.forget_evidence();
+  }
+}
+
 void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate& estimate) {
-  for (const SetObservation& o : quarantined) {
+  for (const SetObservation& o : others) {
     ObservedMarker& seen = estimate.observations[o.report_index];
     seen.rms_px = o.rms_px;
     seen.sigmas_squared = o.sigmas_squared;
   }
+  gather_all();
+  look_for_riding(estimate.stamp);
+  error_model.learn_noise(estimate.stamp, all, &solution, robust.solver(), alerts);
   if (estimate.has(PoseReason::no_velocity)) return;
   // A camera that stands elsewhere makes the pose jump between what it and what the others show.
-  camera_watch.update(estimate.stamp, observations, solution.world_from_rig, alerts);
+  const CameraMask swapped_before = swap_watch.suspects();
+  const auto told = static_cast<std::ptrdiff_t>(alerts.size());
+  swap_watch.update(estimate.stamp, all, alerts);
+  const auto of_swaps = static_cast<std::ptrdiff_t>(alerts.size());
+  error_model.end_verdicts(estimate.stamp, swap_watch.suspects() & ~swapped_before, alerts);
+  // What was said of them is over before the swap is told.
+  std::rotate(alerts.begin() + told, alerts.begin() + of_swaps, alerts.end());
+  const bool tells = !solution.ambiguous && !estimate.has(PoseReason::jump) &&
+                     solution.inlier_markers >= 2 &&
+                     solution.inlier_markers >= solution.outlier_markers;
+  if (tells) error_model.update(estimate.stamp, all, solution, robust, alerts);
   if (estimate.has(PoseReason::jump)) return;
-  learn_noise();
-  const CameraMask trusted = camera_watch.trusted();
-  map_watch.update(estimate.stamp, observations, solution, trusted, alerts);
-  map_watch.update(estimate.stamp, quarantined, solution, trusted, alerts);
+  map_watch.update(estimate.stamp, all, solution, swap_watch.trusted(), alerts);
   map_watch.forget_unknown(estimate.stamp, alerts);
   if (solution.ambiguous || solution.inlier_markers < 2) return;
   for (const ObservedMarker& seen : estimate.observations) {
@@ -293,8 +360,14 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   if (!prior) gate.forget();
   ReasonBits reasons = gate.judge(estimate.stamp, solution, prior);
   const bool trusted = reasons == 0 || reasons == bit(PoseReason::sigma);
-  if (camera_watch.suspects() != 0 || some_camera_disagrees()) {
+  // In a ring of cameras one swap looks like another one, seen from a rig that is turned: what the
+  // others see is no better then.
+  if ((error_model.suspects() & estimate.cameras_used) != 0 || swap_watch.suspects() != 0 ||
+      some_camera_disagrees()) {
     reasons |= bit(PoseReason::camera_suspect);
+  }
+  if (error_model.undecided() || contradicts_itself(solution)) {
+    reasons |= bit(PoseReason::misfit);
   }
   if (usable != set.expected) reasons |= bit(PoseReason::camera_missing);
   Stamp readout{0};
@@ -313,10 +386,13 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   if (needs_velocity && !(prior && prior->velocity_known)) {
     reasons |= bit(PoseReason::no_velocity);
   }
+  estimate.resets = gate.resets();
+  if (map_watch.wrong_map()) reasons |= bit(PoseReason::wrong_map);
   estimate.reasons = reasons;
-  estimate.status = reasons == 0         ? PoseStatus::ok
-                    : solution.ambiguous ? PoseStatus::ambiguous
-                                         : PoseStatus::degraded;
+  estimate.status = reasons == 0 ? PoseStatus::ok
+
+                    : solution.ambiguous || solution.rivals ? PoseStatus::ambiguous
+                                                            : PoseStatus::degraded;
   if (trusted) motion.update(estimate.stamp, solution.motion);
   const auto now = motion.predict(estimate.stamp);
   if (now && now->velocity_known) estimate.velocity = now->velocity;
@@ -336,16 +412,6 @@ bool Localizer::Implementation::some_camera_disagrees() const {
     if (markers[c] >= 2 && 2 * inliers[c] < markers[c]) return true;
   }
   return false;
-}
-
-/// From what each camera's markers leave when that camera may stand a little elsewhere: what it has
-/// against the other cameras is no noise of its corners.
-void Localizer::Implementation::learn_noise() {
-  double stated = 0;
-  for (const SetObservation& o : observations) {
-    for (const Eigen::Matrix2d& covariance : o.stated) stated += covariance.trace() / 8.0;
-  }
-  noise->update(camera_watch.own_residuals(), stated / static_cast<double>(observations.size()));
 }
 
 Localizer::Localizer(const Rig& rig, const MarkerMap& map, const LocalizerOptions& options)

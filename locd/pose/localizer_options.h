@@ -3,6 +3,7 @@
 #include <functional>
 
 #include "core/base/range.h"
+#include "core/estimate/calibration_sigmas.h"
 #include "locd/frames/image_health.h"
 #include "locd/frames/skew_watch.h"
 #include "locd/pose/motion_filter.h"
@@ -21,17 +22,21 @@ struct LocalizerOptions {
   /// Cameras that ran before the program did: see ImageHealthOptions. A capture's first images are
   /// as good as any.
   bool doubt_first_images = false;
-  int detection_threads = 0;  ///< 0: one per camera, at most as many as there are processors
+  CalibrationSigmas calibration;  ///< how sure the rig file is; exact() only of a simulation
+  double size_sigma = 1e-3;       ///< of the prints' size, as a share (0–0.05)
+  int detection_threads = 0;      ///< 0: one per camera, at most as many as there are processors
   /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
   std::function<void()> begin_worker;
 
   static constexpr Range kPriorMaxAge_s = MotionOptions::kMaxAge_s;
   static constexpr Range kNegligibleSkew_ms = SkewWatchOptions::kMost_ms;
+  static constexpr Range kSizeSigma{0, 0.05};
   static constexpr Range kDetectionThreads{0, kMaxCameras};
   /// usage, naming the first field that lies outside its range.
   [[nodiscard]] Status check() const;
 
   /// What the parts of a localizer are to be made with.
+  [[nodiscard]] CalibrationSigmas calibration_sigmas() const;
   [[nodiscard]] MotionOptions motion() const;
   [[nodiscard]] ImageHealthOptions image_health() const;
 };

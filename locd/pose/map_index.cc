@@ -10,6 +10,7 @@ namespace waymark {
 MapIndex::MapIndex(const MarkerMap& map) {
   WAYMARK_CHECK(!map.submaps.empty());
   markers_ = map.submaps.front().markers;
+  independent_ = map.capture_fingerprints.empty();
   quarantined_.assign(markers_.size(), 0);
   for (MapMarker& marker : markers_) {
     if (marker.covariance_known()) continue;

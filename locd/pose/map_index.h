@@ -26,6 +26,10 @@ class MapIndex {
   [[nodiscard]] const MapMarker& marker(std::size_t index) const { return markers_[index]; }
   [[nodiscard]] std::optional<std::size_t> find(const MarkerId& id) const;
 
+  /// Whether its markers are wrong independently of each other: it was measured by hand. Of a map
+  /// made from captures, neighbours are wrong alike.
+  [[nodiscard]] bool independent() const { return independent_; }
+
   [[nodiscard]] bool quarantined(std::size_t index) const { return quarantined_[index] != 0; }
   void set_quarantined(std::size_t index, bool value) { quarantined_[index] = value ? 1 : 0; }
 
@@ -38,6 +42,7 @@ class MapIndex {
   std::vector<MapMarker> markers_;  ///< by rising id
   std::vector<char> quarantined_;
   std::size_t unknown_covariances_ = 0;
+  bool independent_ = true;
 };
 
 }  // namespace waymark

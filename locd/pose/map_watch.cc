@@ -1,38 +1,26 @@
 #include "locd/pose/map_watch.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "core/base/check.h"
-#include "core/geometry/symmetric_factor.h"
-#include "locd/pose/whitened_residual.h"
 
 namespace waymark {
 namespace {
 
-/// Residuals this large (sigmas²) say where a marker is not, hardly where it is.
-constexpr double kLinear = 400.0;
-
-/// What of the residuals' unit covariance is left when the pose has (inlier) or has not (outlier)
-/// been fitted to them: 1 − J P Jᵀ, (1 + J P Jᵀ)⁻¹. As information on r it is cov⁻¹ after
-/// leave-one-out, for the pose without it leaves (1 − J P Jᵀ)⁻¹.
-Matrix8d left_out_information(const WhitenedResidual& w, const Matrix6d& pose_covariance,
-                              bool inlier) {
-  const Matrix8d of_pose = w.by_rig * pose_covariance * w.by_rig.transpose();
-  if (inlier) return Matrix8d::Identity() - of_pose;
-  return (Matrix8d::Identity() + of_pose).inverse();
-}
+/// Mean residual (sigmas², 8 freedoms) of a marker that is where the map says.
+constexpr double kInPlace = 12;
+/// Sets in its place that are remembered.
+constexpr int kSetsInPlace = 5;
+/// What is nearer is linear enough for the error model.
+constexpr double kFar_m = 0.25;
+constexpr double kFar_rad = 0.2;
 
 }  // namespace
 
 Status MapWatchOptions::check() const {
   return RangeCheck()
       .field("min_other_markers", min_other_markers, {2, 20})
-      .field("min_offset_m", min_offset_m, {0.001, 1})
-      .field("min_turn_rad", min_turn_rad, {0.002, 0.5})
-      .field("naming_chi2", naming_chi2, {20, 500})
-      .field("memory_sets", memory_sets, {10, 1000})
       .field("sets_elsewhere", sets_elsewhere, {2, 100})
       .field("sets_back", sets_back, {2, 1000})
       .field("sets_unknown", sets_unknown, {2, 1000})
@@ -59,21 +47,7 @@ void MapWatch::update(Stamp stamp, std::span<const SetObservation> observations,
     records_[seen.map_index].seen = -1;
     return !tells;
   });
-  const double keep = 1.0 - 1.0 / options_.memory_sets;
-  for (std::size_t i = 0; i < seen_.size(); ++i) {
-    Record& record = records_[seen_[i].map_index];
-    record.seen = static_cast<int>(i);
-    record.information *= keep;
-    record.evidence *= keep;
-  }
-  for (const SetObservation& o : observations) {
-    Record& record = records_[o.map_index];
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    if (record.seen < 0 || (trusted_cameras & camera_bit(camera)) == 0) continue;
-    if (o.sigmas_squared <= kLinear) sum_residuals(o, solution, record);
-  }
   for (const Seen& seen : seen_) {
-    records_[seen.map_index].seen = -1;
     count(seen, solution);
     judge(stamp, seen.map_index, alerts);
   }
@@ -105,40 +79,30 @@ void MapWatch::find_seen(std::span<const SetObservation> observations, CameraMas
 void MapWatch::count(const Seen& seen, const PoseSolution& solution) {
   Record& record = records_[seen.map_index];
   if (seen.fitting == seen.observations) {
-    record.sets_in_place = std::min(record.sets_in_place + 1, options_.sets_back);
+    const int most = map_.quarantined(seen.map_index) ? options_.sets_back : kSetsInPlace;
+    record.sets_in_place = std::min(record.sets_in_place + 1, most);
+    record.misfit += (seen.largest->sigmas_squared - record.misfit) / record.sets_in_place;
     record.sets_elsewhere = std::max(record.sets_elsewhere - 1, 0);
   } else if (seen.fitting == 0) {
-    record.sets_in_place = std::max(0, std::min(record.sets_in_place - 1, 5));
+    record.sets_in_place = std::max(0, record.sets_in_place - 1);
     look_elsewhere(*seen.largest, solution, record);
   }
 }
 
 void MapWatch::judge(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts) {
   const Record& record = records_[map_index];
-  const MapMarker& marker = map_.marker(map_index);
-  Vector6d offset = Vector6d::Zero();
-  const bool drift = drifted(record, marker, offset);
-  if (map_.quarantined(map_index)) {
-    if (record.sets_in_place >= options_.sets_back && !drift) {
-      end_quarantine(stamp, map_index, alerts);
-    }
-  } else if (record.sets_elsewhere >= options_.sets_elsewhere && record.sets_in_place == 0) {
-    begin_quarantine(stamp, map_index, record.elsewhere.minus(marker.world_from_marker), alerts);
-  } else if (drift) {
-    begin_quarantine(stamp, map_index, offset, alerts);
+  if (map_.quarantined(map_index) && record.sets_in_place >= options_.sets_back &&
+      record.misfit < kInPlace) {
+    release(stamp, map_index, alerts);
+    return;
   }
-}
-
-void MapWatch::sum_residuals(const SetObservation& o, const PoseSolution& solution,
-                             Record& record) const {
-  const auto left = whitened_residual(o, map_, solver_, solution.world_from_rig);
-  if (!left) return;
-  const WhitenedResidual& w = *left;
-  const Matrix8d information = left_out_information(w, solution.noise_covariance, o.inlier);
-  record.information += w.by_marker.transpose() * information * w.by_marker;
-  // Of an inlier the residual left out is (1 − J P Jᵀ)⁻¹ r: its information takes that back.
-  const Vector8d weighted = o.inlier ? w.residual : Vector8d(information * w.residual);
-  record.evidence -= w.by_marker.transpose() * weighted;
+  if (map_.quarantined(map_index) || record.sets_elsewhere < options_.sets_elsewhere ||
+      record.sets_in_place > 0) {
+    return;
+  }
+  const Vector6d offset = record.elsewhere.minus(map_.marker(map_index).world_from_marker);
+  const bool far = offset.head<3>().norm() > kFar_m || offset.tail<3>().norm() > kFar_rad;
+  if (far) quarantine(stamp, map_index, offset, alerts);
 }
 
 void MapWatch::look_elsewhere(const SetObservation& o, const PoseSolution& solution,
@@ -173,24 +137,11 @@ void MapWatch::look_elsewhere(const SetObservation& o, const PoseSolution& solut
   record.sets_elsewhere = 1;
 }
 
-bool MapWatch::drifted(const Record& record, const MapMarker& marker, Vector6d& offset) const {
-  // ± 1 m, ± 1 rad before anything was seen.
-  const Matrix6d information = record.information + Matrix6d::Identity();
-  const SymmetricFactor<6> factor(information);
-  offset = factor.solve(record.evidence);
-  // Quick exit for what is true of nearly every marker: no offset is significant even without map.
-  if (offset.dot(record.evidence) < options_.naming_chi2) return false;
-  const bool large = offset.head<3>().norm() >= options_.min_offset_m ||
-                     offset.tail<3>().norm() >= options_.min_turn_rad;
-  if (!large) return false;
-  const Matrix6d covariance = factor.inverse() + marker.covariance;
-  return offset.dot(SymmetricFactor<6>(covariance).solve(offset)) >= options_.naming_chi2;
-}
-
-void MapWatch::begin_quarantine(Stamp stamp, std::size_t map_index, const Vector6d& offset,
-                                std::vector<Alert>& alerts) {
+void MapWatch::quarantine(Stamp stamp, std::size_t map_index, const Vector6d& offset,
+                          std::vector<Alert>& alerts) {
   Record& record = records_[map_index];
   record = {};
+  record.offset = offset;
   record.offset_m = offset.head<3>().norm();
   map_.set_quarantined(map_index, true);
   changed_ = true;
@@ -203,17 +154,54 @@ void MapWatch::begin_quarantine(Stamp stamp, std::size_t map_index, const Vector
   alerts.push_back(alert);
 }
 
-void MapWatch::end_quarantine(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts) {
+void MapWatch::quarantine_riding(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts) {
+  Alert alert;
+  alert.stamp = stamp;
+  alert.marker = map_.marker(map_index).id;
+  if (map_.quarantined(map_index)) {
+    // What was said of it before is over: it hangs nowhere.
+    alert.kind = records_[map_index].kind;
+    if (alert.kind == AlertKind::marker_riding) return;
+    alert.raised = false;
+    alerts.push_back(alert);
+  }
+  records_[map_index] = {};
+  records_[map_index].kind = alert.kind = AlertKind::marker_riding;
+  map_.set_quarantined(map_index, true);
+  changed_ = true;
+  alert.raised = true;
+  alerts.push_back(alert);
+}
+
+void MapWatch::release(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts) {
+  Alert alert;
+  alert.kind = records_[map_index].kind;
   records_[map_index] = {};
   map_.set_quarantined(map_index, false);
   changed_ = true;
-  Alert alert;
-  alert.kind = AlertKind::marker_moved;
   alert.raised = false;
   alert.stamp = stamp;
   alert.marker = map_.marker(map_index).id;
   alert.offset_m = 0;
   alert.offset_rad = 0;
+  alerts.push_back(alert);
+}
+
+void MapWatch::look_at_fit(Stamp stamp, int fitting, int others, std::vector<Alert>& alerts) {
+  constexpr int kFewest = 4;
+  constexpr double kMemory = 1.0 / 30;
+  constexpr double kWrong = 0.1;
+  constexpr double kRight = 0.5;
+  if (fitting + others < kFewest) return;
+  const bool fits = fitting > others && fitting > 2;
+  fitting_share_ += kMemory * ((fits ? 1.0 : 0.0) - fitting_share_);
+  const bool wrong = fitting_share_ < (wrong_map_ ? kRight : kWrong);
+  if (wrong == wrong_map_) return;
+  wrong_map_ = wrong;
+  Alert alert;
+  alert.kind = AlertKind::map_wrong;
+  alert.raised = wrong;
+  alert.stamp = stamp;
   alerts.push_back(alert);
 }
 

@@ -15,15 +15,10 @@ namespace waymark {
 
 /// When a marker is said not to hang where the map says.
 struct MapWatchOptions {
-  int min_other_markers = 3;    ///< inliers beside it, for a set to tell anything (2–20)
-  double min_offset_m = 0.015;  ///< smaller moves are left to the robust loss (1 mm–1 m)
-  double min_turn_rad = 0.05;   ///< likewise, 3° (0.002–0.5)
-  /// Of the offset against its own and the map's covariance; 6 degrees of freedom, 1e-11 (20–500)
-  double naming_chi2 = 65.0;
-  double memory_sets = 60;  ///< small residuals are summed over so many (10–1000)
-  int sets_elsewhere = 8;   ///< seen at one other place, for a marker far off (2–100)
-  int sets_back = 40;       ///< seen in its place, to be used again (2–1000)
-  int sets_unknown = 10;    ///< an id that the map lacks is no misreading any more (2–1000)
+  int min_other_markers = 3;  ///< inliers beside it, for a set to tell anything (2–20)
+  int sets_elsewhere = 8;     ///< seen at one other place, for a marker far off (2–100)
+  int sets_back = 40;     ///< seen in its place as exactly as others, to be used again (2–1000)
+  int sets_unknown = 10;  ///< an id that the map lacks is no misreading any more (2–1000)
   /// One of those sets is forgotten in so long: misreadings that are rare never gather. (1 s–1 h)
   Stamp unknown_memory = std::chrono::seconds(10);
   /// Not seen for so long, a marker that the map lacks hangs there no more. (1 min–1 day)
@@ -33,11 +28,10 @@ struct MapWatchOptions {
   [[nodiscard]] Status check() const;
 };
 
-/// Watches over time whether the map's markers still hang where it says. Two kinds of evidence:
-/// the small residuals that a marker leaves against the pose of all others, summed as an estimate
-/// of its offset (leave-one-out: what it contributes to the pose is taken out exactly); and where
-/// it is far off, the other place where it is seen again and again. A misread id, which is seen
-/// anywhere, gathers neither. Markers found to have moved are quarantined in the index and named.
+/// Keeps which of the map's markers are not where it says, and finds those that are far off: where
+/// one fits nothing, the other place where it is seen again and again from new views. A misread id,
+/// which is seen anywhere, gathers none. What is nearer the error model finds. Also names markers
+/// that the map lacks.
 class MapWatch {
  public:
   /// The options are valid (checked).
@@ -48,6 +42,27 @@ class MapWatch {
   /// `trusted_cameras`: whose residuals tell of markers rather than of the camera.
   void update(Stamp stamp, std::span<const SetObservation> observations,
               const PoseSolution& solution, CameraMask trusted_cameras, std::vector<Alert>& alerts);
+
+  /// One set: how many different markers fitted its pose, and how many did not. Where hardly any
+  /// fit for long, the map is of another place: WRONG_MAP.
+  void look_at_fit(Stamp stamp, int fitting, int others, std::vector<Alert>& alerts);
+  [[nodiscard]] bool wrong_map() const { return wrong_map_; }
+
+  /// Marker `map_index` is not where the map says: named, and used no more.
+  void quarantine(Stamp stamp, std::size_t map_index, const Vector6d& offset,
+                  std::vector<Alert>& alerts);
+  /// It moves along with the vehicle: the same.
+  void quarantine_riding(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts);
+  /// Where a quarantined marker was found, less where the map says; zero where that is not known.
+  [[nodiscard]] const Vector6d& offset_of(std::size_t map_index) const {
+    return records_[map_index].offset;
+  }
+  /// Whether it was found to move along with the vehicle.
+  [[nodiscard]] bool rides(std::size_t map_index) const {
+    return records_[map_index].kind == AlertKind::marker_riding;
+  }
+  /// It is there again.
+  void release(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts);
 
   /// A detection that the map lacks, in a set with a pose.
   void note_unknown(Stamp stamp, const MarkerId& marker, std::vector<Alert>& alerts);
@@ -65,13 +80,14 @@ class MapWatch {
  private:
   /// What is known of one marker.
   struct Record {
-    Matrix6d information = Matrix6d::Zero();  ///< of its offset, from small residuals
-    Vector6d evidence = Vector6d::Zero();
     Rigid3 elsewhere;  ///< where it was seen instead
     int sets_elsewhere = 0;
-    int sets_in_place = 0;  ///< lately; up to sets_back when quarantined
-    double offset_m = 0;    ///< when it was named
-    int seen = -1;          ///< index in seen_, while a set is looked at
+    int sets_in_place = 0;                     ///< lately; up to sets_back when quarantined
+    double misfit = 0;                         ///< running mean of its residual there, sigmas²
+    Vector6d offset = Vector6d::Zero();        ///< when it was named
+    double offset_m = 0;                       ///< its length, known over restarts
+    AlertKind kind = AlertKind::marker_moved;  ///< as what
+    int seen = -1;                             ///< index in seen_, while a set is looked at
   };
   /// A marker in the set that is looked at.
   struct Seen {
@@ -91,14 +107,8 @@ class MapWatch {
   void find_seen(std::span<const SetObservation> observations, CameraMask trusted_cameras);
   void count(const Seen& seen, const PoseSolution& solution);
   void judge(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts);
-  void sum_residuals(const SetObservation& o, const PoseSolution& solution, Record& record) const;
   void look_elsewhere(const SetObservation& o, const PoseSolution& solution, Record& record) const;
-  /// Whether the summed residuals tell of a move; its size.
-  [[nodiscard]] bool drifted(const Record& record, const MapMarker& marker, Vector6d& offset) const;
-  void begin_quarantine(Stamp stamp, std::size_t map_index, const Vector6d& offset,
-                        std::vector<Alert>& alerts);
   void tell_unknown(Stamp stamp, const MarkerId& marker, bool raised, std::vector<Alert>& alerts);
-  void end_quarantine(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts);
 
   MapIndex& map_;
   const RigPoseSolver& solver_;
@@ -110,6 +120,8 @@ class MapWatch {
   std::vector<Seen> seen_;
   std::vector<Unknown> unknown_;
   bool changed_ = false;
+  double fitting_share_ = 1;  ///< of sets that show some markers: those in which most fit; running
+  bool wrong_map_ = false;
 };
 
 }  // namespace waymark

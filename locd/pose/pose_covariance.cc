@@ -70,46 +70,33 @@ MotionStep motion_step(const MotionEvidence& evidence, const VelocityPrior& prio
   return step;
 }
 
-PoseCovariance::PoseCovariance(const MapIndex& map, const RigPoseSolver& solver)
-    : map_(map), solver_(solver) {
-  shares_.reserve(map.size());
-}
+MapDependence::MapDependence(const MapIndex& map) : map_(map) { shares_.reserve(map.size()); }
 
-Matrix6d PoseCovariance::of(std::span<const SetObservation> observations,
-                            const Rigid3& world_from_rig, const MotionEvidence& evidence,
-                            const MotionStep& step, double model_sigma_px) {
-  const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
-  Matrix6d noise = Matrix6d::Zero();
+Matrix6d MapDependence::of(std::span<const SetObservation> observations,
+                           std::span<const ConsideredObservation> considered,
+                           const ConsiderPose& pose) {
   shares_.clear();
-  for_each_corner(observations, map_, solver_, world_from_rig,
-                  [&](const SetObservation& o, std::size_t i, const Eigen::Vector2d& /*residual*/,
-                      const CornerJacobians& jacobians) {
-                    const auto weighted = weighted_jacobian(o, i, jacobians);
-                    noise += weighted * (o.stated[i] + model) * weighted.transpose();
-                    auto share = std::find_if(
-                        shares_.begin(), shares_.end(),
-                        [&](const MarkerShare& s) { return s.map_index == o.map_index; });
-                    if (share == shares_.end()) {
-                      share = shares_.insert(share, {o.map_index, Matrix6d::Zero()});
-                    }
-                    share->matrix += weighted * jacobians.d_marker;
-                  });
-  const Matrix6d inverse = SymmetricFactor<6>(evidence.of_pose).inverse();
-  Matrix6d covariance = inverse * noise * inverse;
-  covariance +=
-      step.pose_per_velocity * step.velocity_covariance * step.pose_per_velocity.transpose();
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    if (!considered[i].used) continue;
+    const std::size_t map_index = observations[i].map_index;
+    auto share = std::find_if(shares_.begin(), shares_.end(),
+                              [&](const MarkerShare& s) { return s.map_index == map_index; });
+    if (share == shares_.end()) share = shares_.insert(share, {map_index, Matrix6d::Zero()});
+    share->matrix += pose.gain(considered[i]) * considered[i].columns.by_marker;
+  }
   // Cov(Σ eₘ) ≤ Σ Cov(eₘ)/wₘ for any correlations and weights that sum to 1; wₘ ∝ √tr is best.
   double roots = 0;
   for (MarkerShare& share : shares_) {
-    const Matrix6d gain = inverse * share.matrix;
+    const Matrix6d gain = share.matrix;
     share.matrix = gain * map_.marker(share.map_index).covariance * gain.transpose();
     roots += std::sqrt(std::max(share.matrix.trace(), 0.0));
   }
+  Matrix6d lacking = Matrix6d::Zero();
   for (const MarkerShare& share : shares_) {
     const double root = std::sqrt(std::max(share.matrix.trace(), 0.0));
-    if (root > 0) covariance += roots / root * share.matrix;
+    if (root > 0) lacking += (roots / root - 1) * share.matrix;
   }
-  return 0.5 * (covariance + covariance.transpose());
+  return 0.5 * (lacking + lacking.transpose());
 }
 
 }  // namespace waymark

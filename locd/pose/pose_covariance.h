@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/estimate/consider_pose.h"
 #include "core/estimate/rig_pose_solver.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/motion_filter.h"
@@ -31,26 +32,26 @@ struct MotionStep {
 };
 [[nodiscard]] MotionStep motion_step(const MotionEvidence& evidence, const VelocityPrior& prior);
 
-/// The covariance of a pose: the corners' noise through the solve, plus the velocity's, plus the
-/// map's by the bound that holds for markers correlated in whatever way: of n markers that are
-/// wrong alike the pose is as wrong, not by √n less. Holds its working memory.
-class PoseCovariance {
+/// What a pose's covariance lacks where the map's markers may be wrong alike: of n markers that are
+/// wrong in the same way the pose is as wrong, not by √n less. The bound holds for markers
+/// correlated in whatever way. Holds its working memory.
+class MapDependence {
  public:
-  PoseCovariance(const MapIndex& map, const RigPoseSolver& solver);
+  explicit MapDependence(const MapIndex& map);
 
-  /// `model_sigma_px` is what was added to the detector's own.
+  /// To be added to the covariance that takes markers for independent. `observations[i]` belongs to
+  /// `considered[i]`.
   [[nodiscard]] Matrix6d of(std::span<const SetObservation> observations,
-                            const Rigid3& world_from_rig, const MotionEvidence& evidence,
-                            const MotionStep& step, double model_sigma_px);
+                            std::span<const ConsideredObservation> considered,
+                            const ConsiderPose& pose);
 
  private:
-  struct MarkerShare {  ///< of one marker in the pose: ΣJᵀWJ_marker, then its covariance
+  struct MarkerShare {  ///< of one marker in the pose: its gain, then its covariance there
     std::size_t map_index = 0;
     Matrix6d matrix = Matrix6d::Zero();
   };
 
   const MapIndex& map_;
-  const RigPoseSolver& solver_;
   std::vector<MarkerShare> shares_;
 };
 

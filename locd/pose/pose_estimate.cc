@@ -10,9 +10,9 @@ namespace waymark {
 
 std::string_view name_of(PoseReason reason) {
   constexpr std::array<std::string_view, kPoseReasons> kNames = {
-      "NO_FRAMES", "NO_MAP",      "NO_MARKERS", "NO_SOLUTION",    "TWO_POSES",
-      "SIGMA",     "FEW_MARKERS", "JUMP",       "CAMERA_MISSING", "NO_VELOCITY",
-      "SKEW",      "UNSYNCED",    "OUTLIERS",   "CAMERA_SUSPECT", "OVERLOAD"};
+      "NO_FRAMES",   "NO_MAP",         "NO_MARKERS",     "NO_SOLUTION", "TWO_POSES", "SIGMA",
+      "FEW_MARKERS", "JUMP",           "CAMERA_MISSING", "NO_VELOCITY", "SKEW",      "UNSYNCED",
+      "OUTLIERS",    "CAMERA_SUSPECT", "OVERLOAD",       "MISFIT",      "WRONG_MAP"};
   return kNames.at(static_cast<std::size_t>(std::countr_zero(bit(reason))));
 }
 

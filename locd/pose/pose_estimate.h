@@ -45,13 +45,15 @@ enum class PoseReason : std::uint32_t {
   outliers = 1U << 12,        ///< too many markers disagree, or too few can check one another
   camera_suspect = 1U << 13,  ///< a camera's extrinsics or place among the cameras are in doubt
   overload = 1U << 14,        ///< lost: frames come faster than they can be localized
+  misfit = 1U << 15,          ///< what is seen contradicts itself; what is wrong is not known yet
+  wrong_map = 1U << 16,       ///< markers don't hang where the map says, all over
 };
 using ReasonBits = std::uint32_t;
 [[nodiscard]] constexpr ReasonBits bit(PoseReason reason) {
   return static_cast<ReasonBits>(reason);
 }
 /// How many there are: bits 0 to kPoseReasons − 1.
-inline constexpr std::size_t kPoseReasons = 15;
+inline constexpr std::size_t kPoseReasons = 17;
 /// "NO_FRAMES", …: the constant of pose_t.
 [[nodiscard]] std::string_view name_of(PoseReason reason);
 
@@ -59,7 +61,7 @@ inline constexpr std::size_t kPoseReasons = 15;
 enum class ObservationVerdict : std::int8_t {
   inlier = 0,       ///< carries the pose
   outlier = 1,      ///< of a mapped marker, and does not fit
-  quarantined = 2,  ///< its marker is quarantined: looked at, not used
+  quarantined = 2,  ///< its marker or camera is suspect: looked at, not used
   unknown = 3,      ///< its marker is not in the map
   repeated = 4,     ///< its id was found twice in one image: not used
   unused = 5,       ///< there is no pose to hold it against
@@ -96,6 +98,8 @@ struct PoseEstimate {
   Rigid3 world_from_rig;  ///< NaN when lost
   Matrix6d covariance;    ///< Rigid3's tangent: m, rad, world axes; NaN when lost
   Vector6d velocity;      ///< m/s, rad/s, world axes; NaN when not known
+
+  int resets = 0;  ///< how often the rig was found anew since the start: a step there is no motion
 
   CameraMask cameras_expected = 0;  ///< of the rig
   CameraMask cameras_in_set = 0;    ///< delivered a frame

@@ -59,7 +59,7 @@ ReasonBits PoseGate::judge(Stamp stamp, const PoseSolution& solution,
         3 * sigmas.rotation_rad <= options_.max_3sigma_rad)) {
     reasons |= bit(PoseReason::sigma);
   }
-  if (solution.ambiguous) reasons |= bit(PoseReason::ambiguous);
+  if (solution.ambiguous || solution.rivals) reasons |= bit(PoseReason::ambiguous);
   bool vouched = false;
   if (prior) {
     const PoseSigmas expected = worst_sigmas(prior->covariance);
@@ -69,7 +69,8 @@ ReasonBits PoseGate::judge(Stamp stamp, const PoseSolution& solution,
                      solution.covariance + prior->covariance);
   }
   if (solution.inlier_markers < 2 && !vouched) reasons |= bit(PoseReason::few_markers);
-  if (solution.outlier_markers >= solution.inlier_markers && !vouched) {
+  // No prior vouches for a minority: it came of the same map.
+  if (solution.outlier_markers >= solution.inlier_markers) {
     reasons |= bit(PoseReason::outliers);
   }
   // A pose that another one equals tells nothing of where the rig is.
@@ -89,17 +90,32 @@ bool PoseGate::reachable(const Place& from, const Place& to) const {
                            3 * (from.sigmas.rotation_rad + to.sigmas.rotation_rad);
 }
 
-bool PoseGate::jumped(const Place& here) {
-  if (!place_ || reachable(*place_, here)) {
-    place_ = here;
-    elsewhere_.reset();
-    return false;
-  }
-  sets_elsewhere_ = elsewhere_ && reachable(*elsewhere_, here) ? sets_elsewhere_ + 1 : 1;
-  elsewhere_ = here;
-  if (sets_elsewhere_ < options_.sets_to_believe_jump) return true;
+PoseGate::Place PoseGate::expected(const Place& here) const {
+  if (!elsewhere_) return *place_;
+  return {elsewhere_->stamp, place_from_elsewhere_ * elsewhere_->pose, here.sigmas};
+}
+
+void PoseGate::settle(const Place& here, bool anew) {
+  if (anew && known_) ++resets_;
+  known_ = true;
   place_ = here;
   elsewhere_.reset();
+}
+
+bool PoseGate::jumped(const Place& here) {
+  if (!place_ || reachable(expected(here), here)) {
+    settle(here, !place_);
+    return false;
+  }
+  if (elsewhere_ && reachable(*elsewhere_, here)) {
+    ++sets_elsewhere_;
+  } else {
+    place_from_elsewhere_ = expected(here).pose * here.pose.inverse();
+    sets_elsewhere_ = 1;
+  }
+  elsewhere_ = here;
+  if (sets_elsewhere_ < options_.sets_to_believe_jump) return true;
+  settle(here, true);
   return false;
 }
 

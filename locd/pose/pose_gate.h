@@ -17,15 +17,16 @@ struct GateOptions {
   double w_max_radps = 2.1;         ///< 120°/s: it never turns faster
   /// A prior that is surer than so many times the limits may vouch for a single marker.
   double vouching_factor = 2.0;
-  /// A pose in another place is taken back to be true when so many sets in a row agree on it.
-  int sets_to_believe_jump = 3;
+  /// A pose in another place is taken to be true when so many sets in a row go on from it; a twin
+  /// of a place is passed sooner. (2–1000)
+  int sets_to_believe_jump = 50;
 
   static constexpr Range kMax3Sigma_m{0.001, 1};
   static constexpr Range kMax3Sigma_deg{0.01, 10};
   static constexpr Range kVMax_mps{0.1, 100};
   static constexpr Range kWMax_degps{1, 10'000};
   static constexpr Range kVouchingFactor{1, 10};
-  static constexpr Range kSetsToBelieveJump{2, 100};
+  static constexpr Range kSetsToBelieveJump{2, 1000};
   /// usage, naming the first field that lies outside its range.
   [[nodiscard]] Status check() const;
 };
@@ -55,6 +56,8 @@ class PoseGate {
     place_.reset();
     elsewhere_.reset();
   }
+  /// How often the rig was found anew, after a gap or a jump: a step there is no motion.
+  [[nodiscard]] int resets() const { return resets_; }
 
  private:
   struct Place {
@@ -65,11 +68,19 @@ class PoseGate {
   [[nodiscard]] bool reachable(const Place& from, const Place& to) const;
   /// Whether the rig can't be at `here`, by where it was.
   [[nodiscard]] bool jumped(const Place& here);
+  /// Where it would be now, had it not jumped.
+  [[nodiscard]] Place expected(const Place& here) const;
+  void settle(const Place& here, bool anew);
 
   GateOptions options_;
   std::optional<Place> place_;
-  std::optional<Place> elsewhere_;  ///< where it is said to have jumped to
+  /// Where it is said to have jumped to, and to have gone from there. Motion is the same in both
+  /// places: it tells where the rig would be if it had not jumped.
+  std::optional<Place> elsewhere_;
+  Rigid3 place_from_elsewhere_;
   int sets_elsewhere_ = 0;
+  bool known_ = false;  ///< it was anywhere before
+  int resets_ = 0;
 };
 
 }  // namespace waymark

@@ -6,6 +6,7 @@
 
 #include "core/base/check.h"
 #include "core/geometry/symmetric_factor.h"
+#include "locd/pose/pose_estimate.h"
 
 namespace waymark {
 namespace {
@@ -16,6 +17,22 @@ RigPoseOptions solver_options() {
   options.max_refined = 3;
   options.max_iterations = 20;
   return options;
+}
+
+/// While inliers are searched corners are taken for independent; what all four of a marker share
+/// must not count four times.
+constexpr double kShared = 4.0;
+/// A usual distance of markers, where none is known.
+constexpr double kNear_m = 3.0;
+
+/// What a camera's calibration errors do to a corner somewhere in its image (px²).
+double rough_variance_px2(const CalibrationPrior& prior, std::size_t camera, double focal_px) {
+  constexpr double kSlope = 0.3;  // of a ray well off the axis
+  const CalibrationVector v = prior.variances_of(camera);
+  const double f2 = focal_px * focal_px;
+  return f2 * (v[0] / (kNear_m * kNear_m) + v[3] + kSlope * kSlope * v[kFocal] +
+               std::pow(kSlope, 6) * v[kFirstLens]) +
+         v[kPrincipal] + v[kEdge];
 }
 
 bool timed(const SetObservation& o) {
@@ -38,16 +55,18 @@ RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOpti
       cameras_(static_cast<int>(rig.cameras.size())),
       options_(options),
       solver_(rig, solver_options()),
-      covariance_(map_, solver_) {
+      consider_(rig.cameras.size()),
+      dependence_(map) {
   WAYMARK_CHECK(options.check().has_value());
   marker_verdicts_.reserve(map.size());
+  considered_.reserve(kMaxObservations);
 }
 
 std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observations,
                                               const std::optional<Rigid3>& predicted,
                                               const VelocityPrior& velocity,
-                                              double model_sigma_px) {
-  whiten_roughly(observations, velocity, model_sigma_px);
+                                              const KnownErrors& known) {
+  whiten_roughly(observations, velocity, known);
   if (predicted) move_to_set_instant(observations, *predicted, velocity.velocity);
   const auto estimate = find_pose(observations, predicted);
   if (!estimate) return std::nullopt;
@@ -60,15 +79,15 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   MotionStep step;
   // The set's own say about the velocity, twice: then inliers and velocity have settled.
   for (int round = 0; round < (in_motion ? 3 : 1); ++round) {
-    if (!polish(observations, pose, believed, model_sigma_px) &&
-        !(round == 0 && try_poses_of_cameras(observations, pose, believed, model_sigma_px))) {
+    if (!polish(observations, pose, believed, known) &&
+        !(round == 0 && try_poses_of_cameras(observations, pose, believed, known))) {
       return std::nullopt;
     }
-    if (round == 0 && try_pose_of_outliers(observations, pose, believed, model_sigma_px)) {
+    if (round == 0 && try_pose_of_outliers(observations, pose, believed, known)) {
       solution.ambiguous = true;
     }
     if (!in_motion) break;
-    whiten(observations, pose, Matrix6d::Zero(), model_sigma_px);
+    whiten(observations, pose, {believed.velocity, Matrix6d::Zero()}, known);
     solution.motion = motion_evidence(observations, map_, solver_, pose, believed.velocity);
     step = motion_step(solution.motion, velocity);
     if (!step.pose.allFinite() || !step.velocity.allFinite()) return std::nullopt;
@@ -76,18 +95,102 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
     believed = {believed.velocity + step.velocity, step.velocity_covariance};
     move_to_set_instant(observations, pose, believed.velocity);
   }
-  solution.motion = motion_evidence(observations, map_, solver_, pose, believed.velocity);
-  step = motion_step(solution.motion, velocity);
+  if (!consider(observations, velocity, known, pose)) return std::nullopt;
   solution.world_from_rig = pose;
-  solution.velocity = believed.velocity;
-  solution.velocity_covariance = in_motion ? step.velocity_covariance : velocity.covariance;
+  solution.velocity = velocity.velocity + consider_.velocity_step();
+  solution.velocity_covariance = consider_.velocity_covariance();
+  solution.covariance = consider_.covariance();
+  if (!map_.independent()) {
+    solution.covariance += dependence_.of(observations, considered_, consider_);
+  }
+  solution.misfit = consider_.misfit();
+  solution.freedoms = consider_.freedoms();
+  move_to_set_instant(observations, pose, solution.velocity);
+  whiten(observations, pose, {solution.velocity, Matrix6d::Zero()}, known);
+  solution.motion = motion_evidence(observations, map_, solver_, pose, solution.velocity);
   solution.noise_covariance = SymmetricFactor<6>(solution.motion.of_pose).inverse();
-  solution.covariance = covariance_.of(observations, pose, solution.motion, step, model_sigma_px);
-  if (in_motion) whiten(observations, pose, solution.velocity_covariance, model_sigma_px);
-  classify(observations, pose);
   count_markers(observations, solution);
   if (solution.inliers == 0 || !solution.covariance.allFinite()) return std::nullopt;
+  solution.rivals = rivals_agree(observations, solution);
   return solution;
+}
+
+bool RobustPose::rivals_agree(std::span<SetObservation> observations,
+                              const PoseSolution& solution) {
+  constexpr int kFewest = 3;
+  if (solution.outlier_markers < kFewest ||
+      3 * solution.outlier_markers < solution.inlier_markers) {
+    return false;
+  }
+  collect(observations, Which::outliers);
+  const auto theirs = solver_.solve(fixed_, std::span(&solution.world_from_rig, 1));
+  if (!theirs) return false;
+  const Rigid3 rig_from_world = theirs->best.pose.inverse();
+  int agreeing = 0;
+  for (const FixedMarkerObservation& fixed : fixed_) {
+    const auto camera = static_cast<std::size_t>(fixed.observation->camera);
+    const double s =
+        squared_residual(*fixed.observation, solver_.model(camera),
+                         solver_.cam_from_rig(camera) * (rig_from_world * fixed.world_from_marker));
+    agreeing += s <= kInlierSigmas2 ? 1 : 0;
+  }
+  return agreeing >= kFewest && 3 * agreeing >= solution.inlier_markers;
+}
+
+ConsideredObservation RobustPose::linearize(const SetObservation& observation, const Rigid3& pose,
+                                            const Vector6d& velocity,
+                                            const KnownErrors& known) const {
+  constexpr double kFitsNothing = 1e4;  // sigmas
+  const MapMarker& marker = map_.marker(observation.map_index);
+  ConsideredObservation considered;
+  considered.camera = static_cast<std::size_t>(observation.observation.camera);
+  considered.used = observation.inlier;
+  const auto columns = error_columns(
+      observation.observation,
+      solver_.geometry(observation.observation.camera, pose, marker.world_from_marker),
+      {observation.after_s, observation.row}, velocity);
+  if (!columns) {
+    considered.used = false;
+    considered.columns = ErrorColumns::none(kFitsNothing);
+    return considered;
+  }
+  considered.columns = *columns;
+  const auto& by_marker = considered.columns.by_marker;
+  const Matrix8d covariance = noise_covariance(observation, known.noise_px[considered.camera]) +
+                              by_marker * marker.covariance * by_marker.transpose();
+  considered.columns.whiten(covariance);
+  return considered;
+}
+
+bool RobustPose::consider(std::span<SetObservation> observations, const VelocityPrior& velocity,
+                          const KnownErrors& known, Rigid3& pose) {
+  constexpr int kRounds = 4;
+  constexpr double kLinear_m = 0.003;
+  constexpr double kLinear_rad = 0.001;
+  const double limit = options_.inlier_sigmas * options_.inlier_sigmas;
+  for (int round = 0; round < kRounds; ++round) {
+    move_to_set_instant(observations, pose, velocity.velocity);
+    considered_.clear();
+    int inliers = 0;
+    for (const SetObservation& o : observations) {
+      considered_.push_back(linearize(o, pose, velocity.velocity, known));
+      inliers += considered_.back().used ? 1 : 0;
+    }
+    if (inliers == 0) return false;
+    if (!consider_.solve(considered_, known.calibration, velocity.covariance)) return false;
+    const Vector6d step = consider_.step();
+    pose = pose.plus(step);
+    bool changed = step.head<3>().norm() > kLinear_m || step.tail<3>().norm() > kLinear_rad;
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      SetObservation& o = observations[i];
+      o.sigmas_squared = consider_.squared_sigmas(considered_[i]);
+      changed = changed || o.inlier != (o.sigmas_squared <= limit);
+      o.inlier = o.sigmas_squared <= limit;
+    }
+    if (!changed) return true;
+  }
+  return std::any_of(observations.begin(), observations.end(),
+                     [](const SetObservation& o) { return o.inlier; });
 }
 
 std::optional<RigPoseEstimate> RobustPose::find_pose(std::span<SetObservation> observations,
@@ -112,9 +215,9 @@ std::optional<RigPoseEstimate> RobustPose::find_pose(std::span<SetObservation> o
 
 /// From a pose nearby to the least-squares optimum over the inliers; false when there are none.
 bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
-                        const VelocityPrior& believed, double model_sigma_px) {
+                        const VelocityPrior& believed, const KnownErrors& known) {
   move_to_set_instant(observations, pose, believed.velocity);
-  whiten(observations, pose, believed.covariance, model_sigma_px);
+  whiten(observations, pose, believed, known);
   collect(observations, Which::all);
   if (const auto tukey = solver_.refine(fixed_, pose, {Loss::tukey, options_.tukey_sigmas})) {
     pose = tukey->pose;
@@ -139,7 +242,7 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
 /// each one's own pose is asked, and that which explains most of all is taken. False when none
 /// explains anything.
 bool RobustPose::try_poses_of_cameras(std::span<SetObservation> observations, Rigid3& pose,
-                                      const VelocityPrior& believed, double model_sigma_px) {
+                                      const VelocityPrior& believed, const KnownErrors& known) {
   constexpr std::size_t kFewest = 2;  // a single marker can be seen in two ways
   const Rigid3 between = pose;
   double best = std::numeric_limits<double>::infinity();
@@ -153,20 +256,20 @@ bool RobustPose::try_poses_of_cameras(std::span<SetObservation> observations, Ri
     const auto own = solver_.refine(fixed_, between);
     if (!own) continue;
     Rigid3 candidate = own->pose;
-    if (!polish(observations, candidate, believed, model_sigma_px)) continue;
+    if (!polish(observations, candidate, believed, known)) continue;
     collect(observations, Which::all);
     const double rank = solver_.rank(fixed_, candidate);
     if (rank >= best) continue;
     best = rank;
     pose = candidate;
   }
-  return std::isfinite(best) && polish(observations, pose, believed, model_sigma_px);
+  return std::isfinite(best) && polish(observations, pose, believed, known);
 }
 
 /// When a quarter or more are outliers: what pose do they give among themselves? It is taken when
 /// it explains more of all than the other did. True when both explain the set about as well.
 bool RobustPose::try_pose_of_outliers(std::span<SetObservation> observations, Rigid3& pose,
-                                      const VelocityPrior& believed, double model_sigma_px) {
+                                      const VelocityPrior& believed, const KnownErrors& known) {
   constexpr double kAlike = 20.0;  // sigmas², as RigPoseOptions::ambiguity_gap
   collect(observations, Which::outliers);
   if (4 * fixed_.size() < observations.size() || fixed_.empty()) return false;
@@ -175,12 +278,12 @@ bool RobustPose::try_pose_of_outliers(std::span<SetObservation> observations, Ri
   collect(observations, Which::all);
   const double ours = solver_.rank(fixed_, pose);
   Rigid3 other = theirs->pose;
-  const bool exists = polish(observations, other, believed, model_sigma_px);
+  const bool exists = polish(observations, other, believed, known);
   collect(observations, Which::all);
   const double gain = exists ? ours - solver_.rank(fixed_, other) : -2 * kAlike;
   if (gain > 0) {
     pose = other;
-  } else if (!polish(observations, pose, believed, model_sigma_px)) {
+  } else if (!polish(observations, pose, believed, known)) {
     return true;
   }
   const bool distinct = angle_between_rad(other.rotation, pose.rotation) > 0.002 ||
@@ -189,26 +292,27 @@ bool RobustPose::try_pose_of_outliers(std::span<SetObservation> observations, Ri
 }
 
 void RobustPose::hold_against(std::span<SetObservation> observations, const PoseSolution& solution,
-                              double model_sigma_px) const {
+                              const KnownErrors& known) {
   move_to_set_instant(observations, solution.world_from_rig, solution.velocity);
-  whiten(observations, solution.world_from_rig, solution.velocity_covariance, model_sigma_px);
+  whiten(observations, solution.world_from_rig, {solution.velocity, Matrix6d::Zero()}, known);
   classify(observations, solution.world_from_rig);
 }
 
 /// Before a pose is known: the detector's and the model's errors, and about what an unknown motion
 /// does to a corner some metres away.
 void RobustPose::whiten_roughly(std::span<SetObservation> observations,
-                                const VelocityPrior& velocity, double model_sigma_px) const {
-  constexpr double kNear_m = 3.0;
+                                const VelocityPrior& velocity, const KnownErrors& known) const {
   const double turning2 = velocity.covariance.bottomRightCorner<3, 3>().trace() / 3;
   const double moving2 = velocity.covariance.topLeftCorner<3, 3>().trace() / 3;
   for (SetObservation& o : observations) {
     const auto camera = static_cast<std::size_t>(o.observation.camera);
     const double focal_px = solver_.model(camera).parameters().fu_px;
+    const double constant2 = known.noise_px[camera] * known.noise_px[camera] +
+                             kShared * rough_variance_px2(known.calibration, camera, focal_px);
     for (std::size_t i = 0; i < 4; ++i) {
       const double t_px = o.after_s[i] * focal_px;
       const double motion2 = t_px * t_px * (turning2 + moving2 / (kNear_m * kNear_m));
-      const double added = model_sigma_px * model_sigma_px + motion2;
+      const double added = constant2 + motion2;
       o.observation.whitening[i] =
           whitening_from_covariance(o.stated[i] + added * Eigen::Matrix2d::Identity());
     }
@@ -216,22 +320,33 @@ void RobustPose::whiten_roughly(std::span<SetObservation> observations,
   }
 }
 
-/// With a pose: the map's and the velocity's errors too, as they show in each corner.
+/// With a pose: the map's, the calibration's and the velocity's errors too, as they show in each
+/// corner.
 void RobustPose::whiten(std::span<SetObservation> observations, const Rigid3& pose,
-                        const Matrix6d& velocity_covariance, double model_sigma_px) const {
-  const Eigen::Matrix2d model = model_sigma_px * model_sigma_px * Eigen::Matrix2d::Identity();
+                        const VelocityPrior& velocity, const KnownErrors& known) const {
   for (SetObservation& o : observations) {
     const MapMarker& marker = map_.marker(o.map_index);
-    const auto corners = linearize_corners(
-        o.observation, solver_.geometry(o.observation.camera, pose, marker.world_from_marker));
-    if (!corners) continue;
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    const auto columns = error_columns(
+        o.observation, solver_.geometry(o.observation.camera, pose, marker.world_from_marker),
+        {o.after_s, o.row}, velocity.velocity);
+    if (!columns) continue;
+    const CalibrationVector calibration = known.calibration.variances_of(camera);
+    const double size = known.calibration.size_variance();
     for (std::size_t i = 0; i < 4; ++i) {
-      const CornerJacobians& jacobians = (*corners)[i].jacobians;
-      Eigen::Matrix2d covariance = o.stated[i] + model;
-      covariance += jacobians.d_marker * marker.covariance * jacobians.d_marker.transpose();
-      const double t = o.after_s[i];
-      if (t != 0) {
-        covariance += t * t * jacobians.d_rig * velocity_covariance * jacobians.d_rig.transpose();
+      const auto row = static_cast<Eigen::Index>(2 * i);
+      const auto by_marker = columns->by_marker.middleRows<2>(row);
+      const auto by_camera = columns->by_camera.middleRows<2>(row);
+      const auto by_size = columns->by_size.segment<2>(row);
+      Eigen::Matrix2d covariance = by_marker * marker.covariance * by_marker.transpose();
+      covariance += by_camera * calibration.asDiagonal() * by_camera.transpose();
+      covariance += size * by_size * by_size.transpose();
+      covariance *= kShared;
+      covariance += o.stated[i];
+      covariance.diagonal().array() += known.noise_px[camera] * known.noise_px[camera];
+      if (o.after_s[i] != 0) {
+        const auto by_velocity = columns->by_velocity.middleRows<2>(row);
+        covariance += by_velocity * velocity.covariance * by_velocity.transpose();
       }
       o.observation.whitening[i] = whitening_from_covariance(covariance);
     }

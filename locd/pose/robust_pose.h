@@ -6,7 +6,9 @@
 
 #include "core/base/range.h"
 #include "core/camera/rig.h"
+#include "core/estimate/consider_pose.h"
 #include "core/estimate/rig_pose_solver.h"
+#include "locd/pose/corner_noise.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/motion_filter.h"
 #include "locd/pose/pose_covariance.h"
@@ -18,14 +20,23 @@ namespace waymark {
 struct PoseSolution {
   Rigid3 world_from_rig;
   Matrix6d covariance = Matrix6d::Zero();
-  Matrix6d noise_covariance = Matrix6d::Zero();  ///< of that the inverse Hessian alone
-  MotionEvidence motion;                         ///< for the motion filter
-  Vector6d velocity = Vector6d::Zero();          ///< that corners were moved by
+  Matrix6d noise_covariance = Matrix6d::Zero();  ///< were calibration and map without errors
+  double misfit = 0;      ///< χ² of all inliers and of what the calibration is known to
+  int freedoms = 0;       ///< of it
+  MotionEvidence motion;  ///< for the motion filter
+  Vector6d velocity = Vector6d::Zero();  ///< that corners were moved by
   Matrix6d velocity_covariance = Matrix6d::Zero();
   bool ambiguous = false;
+  bool rivals = false;  ///< three outliers or more agree on another pose
   int inliers = 0;
   int inlier_markers = 0;   ///< different ones
   int outlier_markers = 0;  ///< different ones that no inlier shows
+};
+
+/// What is known of errors before a set.
+struct KnownErrors {
+  NoiseSigmas noise_px{};        ///< added to what the detector states
+  CalibrationPrior calibration;  ///< of the cameras' errors
 };
 
 /// Options of RobustPose.
@@ -43,8 +54,9 @@ struct RobustPoseOptions {
 /// One robust optimization over all corners of all cameras with the map's markers fixed (core's
 /// Algorithm 1): starts from the prior and from fresh IPPE candidates, so that a wrong prior can't
 /// hold it; Huber's loss comes near the optimum, Tukey's rejects outliers, and least squares
-/// over the inliers has the full efficiency. Where there are many outliers, the pose that they
-/// agree on is tried, too; where there are only outliers, each camera's own.
+/// over the inliers with calibration errors as consider parameters has the full efficiency. Where
+/// there are many outliers, the pose that they agree on is tried, too; where there are only
+/// outliers, each camera's own.
 ///
 /// Corners of other instants than the set's (free-running cameras, rolling shutters) are moved by
 /// what the velocity does to them. The velocity, known beforehand to its covariance, is corrected
@@ -59,19 +71,22 @@ class RobustPose {
   [[nodiscard]] std::optional<PoseSolution> solve(std::span<SetObservation> observations,
                                                   const std::optional<Rigid3>& predicted,
                                                   const VelocityPrior& velocity,
-                                                  double model_sigma_px);
+                                                  const KnownErrors& known);
 
   /// Residuals and verdicts of further observations, which took no part, at a solution.
   void hold_against(std::span<SetObservation> observations, const PoseSolution& solution,
-                    double model_sigma_px) const;
+                    const KnownErrors& known);
+
+  /// The last solve's observations at its pose, in their order.
+  [[nodiscard]] std::span<const ConsideredObservation> considered() const { return considered_; }
 
   [[nodiscard]] const RigPoseSolver& solver() const { return solver_; }
 
  private:
   void whiten_roughly(std::span<SetObservation> observations, const VelocityPrior& velocity,
-                      double model_sigma_px) const;
+                      const KnownErrors& known) const;
   void whiten(std::span<SetObservation> observations, const Rigid3& pose,
-              const Matrix6d& velocity_covariance, double model_sigma_px) const;
+              const VelocityPrior& velocity, const KnownErrors& known) const;
   void move_to_set_instant(std::span<SetObservation> observations, const Rigid3& pose,
                            const Vector6d& velocity) const;
   void seed(std::span<SetObservation> observations, std::size_t count);
@@ -81,18 +96,31 @@ class RobustPose {
   [[nodiscard]] std::optional<RigPoseEstimate> find_pose(std::span<SetObservation> observations,
                                                          const std::optional<Rigid3>& predicted);
   [[nodiscard]] bool polish(std::span<SetObservation> observations, Rigid3& pose,
-                            const VelocityPrior& believed, double model_sigma_px);
+                            const VelocityPrior& believed, const KnownErrors& known);
   [[nodiscard]] bool try_poses_of_cameras(std::span<SetObservation> observations, Rigid3& pose,
-                                          const VelocityPrior& believed, double model_sigma_px);
+                                          const VelocityPrior& believed, const KnownErrors& known);
   [[nodiscard]] bool try_pose_of_outliers(std::span<SetObservation> observations, Rigid3& pose,
-                                          const VelocityPrior& believed, double model_sigma_px);
+                                          const VelocityPrior& believed, const KnownErrors& known);
+  /// An observation at a pose, whitened by its noise and its marker's own error; one of which a
+  /// corner can't be projected fits nothing.
+  [[nodiscard]] ConsideredObservation linearize(const SetObservation& observation,
+                                                const Rigid3& pose, const Vector6d& velocity,
+                                                const KnownErrors& known) const;
+  /// From a pose nearby to the optimum with consider parameters; says anew who is an inlier.
+  [[nodiscard]] bool consider(std::span<SetObservation> observations, const VelocityPrior& velocity,
+                              const KnownErrors& known, Rigid3& pose);
+  /// Whether three outliers or more, not many fewer than inliers, agree on another pose.
+  [[nodiscard]] bool rivals_agree(std::span<SetObservation> observations,
+                                  const PoseSolution& solution);
   void count_markers(std::span<const SetObservation> observations, PoseSolution& solution);
 
   const MapIndex& map_;
   int cameras_;
   RobustPoseOptions options_;
   RigPoseSolver solver_;
-  PoseCovariance covariance_;
+  ConsiderPose consider_;
+  MapDependence dependence_;
+  std::vector<ConsideredObservation> considered_;
   std::vector<FixedMarkerObservation> fixed_;
   std::vector<std::pair<double, std::size_t>> by_size_;
   std::vector<std::pair<std::size_t, bool>> marker_verdicts_;

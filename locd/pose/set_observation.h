@@ -14,11 +14,23 @@ struct SetObservation {
   ImageCorners detected_px;         ///< as detected
   CornerCovariances stated;         ///< the detector's (px²); zero when it states none
   std::array<double, 4> after_s{};  ///< each corner's instant less the set's stamp
+  std::array<double, 4> row{};      ///< where its row lies, from the first (−½) to the last (½)
   std::size_t map_index = 0;
   std::size_t report_index = 0;  ///< into PoseEstimate::observations
   bool inlier = false;
   double sigmas_squared = 0;  ///< at the pose; 8 degrees of freedom
   double rms_px = 0;          ///< NaN when a corner can't be projected
 };
+
+/// Covariance of its corners' noise (px²): the detector's, and what the model adds.
+[[nodiscard]] inline Eigen::Matrix<double, 8, 8> noise_covariance(const SetObservation& o,
+                                                                  double noise_px) {
+  Eigen::Matrix<double, 8, 8> covariance =
+      noise_px * noise_px * Eigen::Matrix<double, 8, 8>::Identity();
+  for (Eigen::Index i = 0; i < 4; ++i) {
+    covariance.block<2, 2>(2 * i, 2 * i) += o.stated[static_cast<std::size_t>(i)];
+  }
+  return covariance;
+}
 
 }  // namespace waymark

@@ -25,7 +25,8 @@ Alert alert_of(AlertKind kind, bool raised) {
   alert.raised = raised;
   alert.camera = 0;
   alert.other_camera = 1;
-  const bool of_marker = kind == AlertKind::marker_moved || kind == AlertKind::marker_unknown;
+  const bool of_marker = kind == AlertKind::marker_moved || kind == AlertKind::marker_unknown ||
+                         kind == AlertKind::marker_riding;
   if (of_marker) alert.marker = MarkerId{Family::tag36h11, 12};
   return alert;
 }
@@ -54,10 +55,10 @@ TEST_P(EveryKind, NeverSaysANumberThatIsNotKnown) {
 }
 
 TEST_P(EveryKind, NamesWhomItConcerns) {
-  const bool of_all = kind() == AlertKind::stamps_skewed;
+  const bool of_all = kind() == AlertKind::map_wrong;
   for (const bool raised : {true, false}) {
     const auto alert = alert_of(kind(), raised);
-    EXPECT_THAT(text(raised), HasSubstr(of_all ? "the cameras" : alert.marker ? "12" : "cam0"));
+    EXPECT_THAT(text(raised), HasSubstr(of_all ? "markers" : alert.marker ? "12" : "cam0"));
   }
 }
 
@@ -82,6 +83,17 @@ TEST_P(EveryKind, MayBeOverForAMapWasLoaded) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Alert, EveryKind, testing::Range(std::size_t{0}, kAlertKinds));
+
+TEST(Alert, OfAClockIsOfOneCameraOrOfAll) {
+  Alert late = alert_of(AlertKind::stamps_skewed, true);
+  late.value = -0.0201;
+  late.sigma = 0.0003;
+  EXPECT_THAT(alert_text(late, two_cameras(), false),
+              HasSubstr("cam0's images were taken -20.10 ms"));
+  late.camera = -1;
+  EXPECT_THAT(alert_text(late, two_cameras(), false),
+              HasSubstr("the cameras do not expose together"));
+}
 
 TEST(Alert, SaysHowFarWhereThatIsKnown) {
   Alert moved = alert_of(AlertKind::marker_moved, true);

@@ -31,7 +31,10 @@ std::vector<QuarantinedMarker> quarantine_of(Localizer& localizer) {
 
 TEST(Localizer, PosesAreWithinTheirCovariance) {
   RoomDrive drive(test::make_room(usual(200)));
-  Localizer localizer(drive.room().rig, test::room_map(drive.room()), {});
+  LocalizerOptions exact;
+  exact.calibration = CalibrationSigmas::exact();
+  exact.size_sigma = 0;
+  Localizer localizer(drive.room().rig, test::room_map(drive.room()), exact);
   PoseEstimate estimate;
   double nees = 0;
   for (std::size_t i = 0; i < drive.size(); ++i) {

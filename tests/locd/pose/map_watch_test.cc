@@ -173,10 +173,6 @@ TEST_F(UnmappedMarkers, KnownFromBeforeARestartAreGoneAnHourAfterIt) {
 TEST(MapWatchOptions, AreHeldToTheirRanges) {
   using Options = MapWatchOptions;
   expect_ranges<Options>({ranged("min_other_markers", &Options::min_other_markers, {2, 20}),
-                          ranged("min_offset_m", &Options::min_offset_m, {0.001, 1}),
-                          ranged("min_turn_rad", &Options::min_turn_rad, {0.002, 0.5}),
-                          ranged("naming_chi2", &Options::naming_chi2, {20, 500}),
-                          ranged("memory_sets", &Options::memory_sets, {10, 1000}),
                           ranged("sets_elsewhere", &Options::sets_elsewhere, {2, 100}),
                           ranged("sets_back", &Options::sets_back, {2, 1000}),
                           ranged("sets_unknown", &Options::sets_unknown, {2, 1000}),

@@ -86,16 +86,43 @@ TEST(PoseGate, AJumpIsOneAndIsBelievedWhenItStays) {
   EXPECT_EQ(gate.judge(milliseconds(100), next, std::nullopt), 0U);
   PoseSolution far = good();
   far.world_from_rig.translation.x() = 5;
+  Stamp now = milliseconds(100);
   for (int i = 1; i <= options.sets_to_believe_jump; ++i) {
-    EXPECT_EQ(gate.judge(milliseconds(100 + 100 * i), far, std::nullopt) != 0,
-              i < options.sets_to_believe_jump)
-        << i;
+    now += milliseconds(100);
+    EXPECT_EQ(gate.judge(now, far, std::nullopt) != 0, i < options.sets_to_believe_jump) << i;
   }
+  EXPECT_EQ(gate.resets(), 1);
   PoseSolution turned = far;
   turned.world_from_rig.rotation = so3_exp({0, 0, 1});
-  EXPECT_EQ(gate.judge(milliseconds(500), turned, std::nullopt), bit(PoseReason::jump));
+  now += milliseconds(100);
+  EXPECT_EQ(gate.judge(now, turned, std::nullopt), bit(PoseReason::jump));
   gate.forget();
-  EXPECT_EQ(gate.judge(milliseconds(600), turned, std::nullopt), 0U);
+  EXPECT_EQ(gate.judge(now + milliseconds(100), turned, std::nullopt), 0U);
+  EXPECT_EQ(gate.resets(), 2);
+}
+
+/// The vehicle drives on at 1 m/s past a place whose markers hang a second time 30 m away.
+TEST(PoseGate, ATwinOfAPlaceIsLeftAgainWhereTheVehicleDroveMeanwhile) {
+  PoseGate gate{GateOptions{}};
+  for (int i = 0; i < 60; ++i) {
+    const bool twin = i >= 10 && i < 40;
+    PoseSolution here = good();
+    here.world_from_rig.translation.x() = 0.1 * i + (twin ? 30 : 0);
+    EXPECT_EQ(gate.judge(milliseconds(100 * i), here, std::nullopt) != 0, twin) << i;
+  }
+  EXPECT_EQ(gate.resets(), 0);
+}
+
+TEST(PoseGate, OutliersThatAgreeOnAnotherPoseMakeItAmbiguous) {
+  PoseSolution two = good();
+  two.rivals = true;
+  EXPECT_EQ(judge_alone(two), bit(PoseReason::ambiguous));
+}
+
+TEST(PoseGate, NoPriorVouchesForAMinority) {
+  PoseSolution doubtful = good();
+  doubtful.outlier_markers = doubtful.inlier_markers;
+  EXPECT_EQ(judge_alone(doubtful, sure_prior()), bit(PoseReason::outliers));
 }
 
 TEST(PoseGate, OneFarPoseDoesNotBecomeThePlace) {

@@ -1,5 +1,5 @@
 // What is said of cameras over time, from detections to alerts, and taken back.
-#include "locd/pose/camera_watch.h"
+#include "locd/pose/swap_watch.h"
 
 #include <gtest/gtest.h>
 
@@ -145,25 +145,12 @@ TEST_F(CameraVerdicts, ASwapOfAKnockedCameraEndsWhatWasSaidOfItFirst) {
   EXPECT_TRUE(wrong.alerts[1].raised);
 }
 
-TEST(CameraWatchOptions, AreHeldToTheirRanges) {
-  expect_ranges<CameraWatchOptions>(
-      {ranged("min_turn_rad", &CameraWatchOptions::min_turn_rad, {0.001, 0.2}),
-       ranged("min_offset_m", &CameraWatchOptions::min_offset_m, {0.001, 1}),
-       ranged("chi2", &CameraWatchOptions::chi2, {20, 1000}),
-       ranged("memory_sets", &CameraWatchOptions::memory_sets, {10, 1000}),
-       {"min_sets",
-        {3, 1000},
-        [](CameraWatchOptions& o, double v) {
-          o.min_sets = static_cast<int>(v);
-          o.sets_to_decide = std::max(o.min_sets, o.sets_to_decide);
-        },
-        1},
-       ranged("clear_margin", &CameraWatchOptions::clear_margin, {1, 10}),
-       ranged("sets_to_decide", &CameraWatchOptions::sets_to_decide, {15, 10'000}),
-       ranged("trusted_share", &CameraWatchOptions::trusted_share, {0.5, 1}),
-       ranged("swap_sets", &CameraWatchOptions::swap_sets, {2, 1000}),
-       ranged("right_sets", &CameraWatchOptions::right_sets, {2, 1000}),
-       ranged("coherent_share", &CameraWatchOptions::coherent_share, {0.5, 1})});
+TEST(SwapWatchOptions, AreHeldToTheirRanges) {
+  expect_ranges<SwapWatchOptions>(
+      {ranged("trusted_share", &SwapWatchOptions::trusted_share, {0.5, 1}),
+       ranged("swap_sets", &SwapWatchOptions::swap_sets, {2, 1000}),
+       ranged("right_sets", &SwapWatchOptions::right_sets, {2, 1000}),
+       ranged("coherent_share", &SwapWatchOptions::coherent_share, {0.5, 1})});
 }
 
 }  // namespace

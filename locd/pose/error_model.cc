@@ -1,0 +1,385 @@
+#include "locd/pose/error_model.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/base/check.h"
+
+namespace waymark {
+namespace {
+
+/// Markers of a camera that tell of its noise, per set.
+constexpr std::size_t kNoiseMarkers = 8;
+/// Beyond, an observation's fault is not linear: it is looked for in other ways.
+constexpr double kLinear_m = 0.35;
+constexpr double kLinear_rad = 0.25;
+/// Observations of a camera that can tell what is wrong with it.
+constexpr int kCameraViews = 24;
+/// Newer observations that can speak against a verdict.
+constexpr int kViewsToRevoke = 8;
+
+/// Where a marker is seen from, and where in the image; about 5°, 20 % of the distance, an eighth
+/// of the image.
+std::uint64_t view_of(const SetObservation& o, const CameraModel& model,
+                      const Rigid3& cam_from_marker) {
+  const Eigen::Vector3d eye = cam_from_marker.inverse().translation;
+  const double distance = std::max(eye.norm(), 1e-3);
+  const Eigen::Vector3d direction = eye / distance;
+  const auto cell = [](double value, double size) {
+    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / size)) & 0xFF);
+  };
+  constexpr double kFiveDegrees = 0.087;
+  const Eigen::Vector2d centre = (o.detected_px[0] + o.detected_px[2]) / 2;
+  std::uint64_t view = o.map_index;
+  view = view * 16 + static_cast<std::uint64_t>(o.observation.camera);
+  view = view * 256 + cell(direction.x(), kFiveDegrees);
+  view = view * 256 + cell(direction.y(), kFiveDegrees);
+  view = view * 256 + cell(std::log(distance), 0.182);
+  view = view * 8 + cell(centre.x(), model.parameters().width_px / 8.0);
+  return view * 8 + cell(centre.y(), model.parameters().height_px / 8.0);
+}
+
+bool is_linear(const ErrorColumns& columns) {
+  Matrix6d information = columns.by_marker.transpose() * columns.by_marker;
+  information.diagonal().array() += 1e-6;
+  const Vector6d moved = information.ldlt().solve(columns.by_marker.transpose() * columns.residual);
+  return moved.head<3>().norm() < kLinear_m && moved.tail<3>().norm() < kLinear_rad;
+}
+
+}  // namespace
+
+Status ErrorModelOptions::check() const {
+  return RangeCheck()
+      .field("gain", gain, {5, 100})
+      .field("lead", lead, {2, 50})
+      .field("over_gain", over_gain, {-20, 0})
+      .field("chi2", chi2, {20, 500})
+      .field("marker_m", marker_m, {0.001, 1})
+      .field("marker_rad", marker_rad, {0.002, 0.5})
+      .field("camera_m", camera_m, {0.001, 1})
+      .field("camera_rad", camera_rad, {0.001, 0.2})
+      .field("sets_per_look", sets_per_look, {1, 100})
+      .field("fewest_views", fewest_views, {2, 100})
+      .status();
+}
+
+ErrorModel::ErrorModel(const Rig& rig, const MapIndex& map, MapWatch& markers,
+                       const CalibrationSigmas& sigmas, double size_sigma,
+                       const ErrorModelOptions& options)
+    : rig_(rig),
+      map_(map),
+      markers_(markers),
+      options_(options),
+      prior_(rig, sigmas, size_sigma),
+      known_{{}, prior_},
+      noise_(rig.cameras.size()),
+      noisy_(rig.cameras.size(), 0),
+      evidence_(rig.cameras.size(), map.size()),
+      explanations_(rig.cameras.size(), map) {
+  WAYMARK_CHECK(options.check().has_value());
+  rows_.reserve(kMaxObservations);
+  waiting_.observations.reserve(kMaxObservations);
+}
+
+void ErrorModel::begin(bool covariances_stated) {
+  for (CornerNoise& noise : noise_) noise.begin(covariances_stated);
+  believe();
+}
+
+/// Prior and noise for the next set.
+void ErrorModel::believe() {
+  for (std::size_t c = 0; c < noise_.size(); ++c) known_.noise_px[c] = noise_[c].sigma_px();
+  known_.calibration = prior_;
+  for (const Verdict& verdict : verdicts_) {
+    known_.calibration.widen(static_cast<std::size_t>(verdict.what.camera),
+                             Explanations::widths_of(verdict.what.kind));
+  }
+}
+
+void ErrorModel::learn_noise(Stamp stamp, std::span<const SetObservation> observations,
+                             const PoseSolution* solution, const RigPoseSolver& solver,
+                             std::vector<Alert>& alerts) {
+  std::array<std::size_t, kMaxCameras> taken{};
+  const std::size_t count = observations.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    // By turns, where there are many.
+    const SetObservation& o = observations[(next_marker_ + i) % count];
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    if (taken[camera] == kNoiseMarkers) continue;
+    std::optional<Rigid3> near;
+    if (solution != nullptr && o.inlier) {
+      near = solver.cam_from_rig(camera) * solution->world_from_rig.inverse() *
+             map_.marker(o.map_index).world_from_marker;
+    }
+    const auto left = left_by_own_pose(o, solver.model(camera), near, noise_[camera].sigma_px());
+    if (!left) continue;
+    noise_[camera].add(*left);
+    ++taken[camera];
+  }
+  next_marker_ += kNoiseMarkers;
+  for (std::size_t c = 0; c < noise_.size(); ++c) {
+    if (taken[c] > 0) noise_[c].update();
+    known_.noise_px[c] = noise_[c].sigma_px();
+  }
+  tell_noise(stamp, alerts);
+}
+
+void ErrorModel::tell_noise(Stamp stamp, std::vector<Alert>& alerts) {
+  for (std::size_t c = 0; c < noise_.size(); ++c) {
+    const bool noisy = noise_[c].unusual();
+    if (noisy == (noisy_[c] != 0)) continue;
+    noisy_[c] = noisy ? 1 : 0;
+    Alert alert;
+    alert.kind = AlertKind::corners_noisy;
+    alert.raised = noisy;
+    alert.stamp = stamp;
+    alert.camera = static_cast<int>(c);
+    alert.value = noise_[c].total_px();
+    alerts.push_back(alert);
+  }
+}
+
+std::optional<ErrorColumns> ErrorModel::columns_of(const SetObservation& o,
+                                                   ObservationGeometry geometry,
+                                                   const Vector6d& velocity) const {
+  const CornerTimes times{o.after_s, o.row};
+  auto columns = error_columns(o.observation, geometry, times, velocity);
+  const auto nearer = [&](const std::optional<ErrorColumns>& there) {
+    return there && !(columns && columns->residual.norm() < there->residual.norm());
+  };
+  const Vector6d& moved = markers_.offset_of(o.map_index);
+  if (!moved.isZero()) {
+    geometry.world_from_marker = geometry.world_from_marker.plus(moved);
+    auto there = error_columns(o.observation, geometry, times, velocity);
+    if (!nearer(there)) return columns;
+    there->residual += there->by_marker * moved;
+    return there;
+  }
+  for (const Verdict& verdict : verdicts_) {
+    if (verdict.what.camera != o.observation.camera) continue;
+    const Vector6d fault = verdict.fault.head<6>();
+    geometry.cam_from_rig = geometry.cam_from_rig.inverse().plus(fault).inverse();
+    auto there = error_columns(o.observation, geometry, times, velocity);
+    if (!nearer(there)) return columns;
+    there->residual += there->by_camera.leftCols<6>() * fault;
+    return there;
+  }
+  return columns;
+}
+
+void ErrorModel::make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust) {
+  rows_.clear();
+  const RigPoseSolver& solver = robust.solver();
+  for (const SetObservation& o : set.observations) {
+    if (markers_.rides(o.map_index)) continue;
+    const auto camera = static_cast<std::size_t>(o.observation.camera);
+    const auto geometry = solver.geometry(o.observation.camera, set.solution.world_from_rig,
+                                          map_.marker(o.map_index).world_from_marker);
+    auto columns = columns_of(o, geometry, velocity);
+    if (!columns) continue;
+    columns->whiten(noise_covariance(o, known_.noise_px[camera]));
+    if (!is_linear(*columns)) continue;
+    const Rigid3 cam_from_marker =
+        geometry.cam_from_rig * geometry.world_from_rig.inverse() * geometry.world_from_marker;
+    rows_.push_back({o.map_index, camera, view_of(o, *geometry.camera, cam_from_marker), *columns});
+  }
+}
+
+void ErrorModel::update(Stamp stamp, std::span<const SetObservation> observations,
+                        const PoseSolution& solution, const RobustPose& robust,
+                        std::vector<Alert>& alerts) {
+  constexpr Stamp kGap = std::chrono::milliseconds(500);
+  std::optional<std::pair<Stamp, Rigid3>> before;
+  if (waiting_.there && stamp > waiting_.stamp && stamp - waiting_.stamp < kGap) {
+    // Over both neighbours: clocks and read-outs show in how fast the rig was just then.
+    before = {waiting_.stamp, waiting_.solution.world_from_rig};
+    const auto& first = waiting_.before ? *waiting_.before : *before;
+    const Vector6d velocity =
+        solution.world_from_rig.minus(first.second) / in_s(stamp - first.first);
+    gather(waiting_, velocity, robust, alerts);
+  }
+  waiting_.stamp = stamp;
+  waiting_.observations.assign(observations.begin(), observations.end());
+  waiting_.solution = solution;
+  waiting_.before = before;
+  waiting_.there =
+      std::all_of(observations.begin(), observations.end(), [&](const SetObservation& o) {
+        return noise_[static_cast<std::size_t>(o.observation.camera)].settled();
+      });
+}
+
+void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const RobustPose& robust,
+                        std::vector<Alert>& alerts) {
+  make_rows(set, velocity, robust);
+  if (rows_.size() < 2 || !evidence_.is_new(rows_)) return;
+  evidence_.add(rows_);
+  const long sets = evidence_.sets() - forgotten_;
+  const bool early = sets == 2 || sets == 4;
+  if (!early && sets % options_.sets_per_look != 0) return;
+  constexpr std::array<int, 6> kWindows{1, 2, 4, 1, 2, 16};
+  look(set.stamp, kWindows[static_cast<std::size_t>(looks_) % kWindows.size()], alerts);
+  if (looks_ % 3 == 2) look_back(set.stamp, alerts);
+  ++looks_;
+}
+
+void ErrorModel::believe_quarantine() {
+  believed_.clear();
+  for (const Verdict& verdict : verdicts_) believed_.push_back(verdict.what);
+  for (std::size_t slot = 0; slot < system_.views.size(); ++slot) {
+    if (system_.views[slot] == 0 || !map_.quarantined(system_.markers[slot])) continue;
+    believed_.push_back({AlertKind::marker_moved, -1, system_.markers[slot]});
+  }
+}
+
+/// Whether a fault is large enough, and well enough known, to be named.
+bool ErrorModel::nameable(const Score& score) const {
+  if (score.chi2 < options_.chi2) return false;
+  if (score.what.of_marker()) {
+    return score.views >= options_.fewest_views &&
+           (score.marker.head<3>().norm() >= options_.marker_m ||
+            score.marker.tail<3>().norm() >= options_.marker_rad);
+  }
+  if (score.views < kCameraViews) return false;
+  if (score.what.kind != AlertKind::extrinsics_off) return true;
+  return score.camera.head<3>().norm() >= options_.camera_m ||
+         score.camera.segment<3>(3).norm() >= options_.camera_rad;
+}
+
+/// Lets all explanations of the newest blocks compete.
+void ErrorModel::look(Stamp stamp, int blocks, std::vector<Alert>& alerts) {
+  const unsigned window = 1U << static_cast<unsigned>(blocks);
+  undecided_ &= ~window;
+  evidence_.sum(blocks, system_);
+  believe_quarantine();
+  const auto scores = explanations_.judge(system_, prior_, believed_);
+  const Score* best = nullptr;
+  const Score* next = nullptr;
+  for (const Score& score : scores) {
+    if (std::find(believed_.begin(), believed_.end(), score.what) != believed_.end()) continue;
+    (best == nullptr ? best : next) = &score;
+    if (next != nullptr) break;
+  }
+  if (best == nullptr || best->gain < options_.gain) return;
+  undecided_ |= window;
+  const bool clear = next == nullptr || best->gain >= next->gain + options_.lead;
+  if (!clear || !nameable(*best)) return;
+  const Score found = *best;
+  // Where something changed within these sets, what explains their mixture is not what is wrong.
+  if (contradicted_by_block(0, found.what) || contradicted_by_block(1, found.what)) return;
+  name(stamp, found, alerts);
+}
+
+bool ErrorModel::contradicted_by_block(int age, const Explanation& what) {
+  evidence_.block(age, system_);
+  if (system_.sets < options_.sets_per_look / 2) return true;
+  believe_quarantine();
+  const auto scores = explanations_.judge(system_, prior_, believed_);
+  const auto own = explanations_.score_of(what);
+  if (own && own->gain < 0) return true;
+  const auto other = std::find_if(scores.begin(), scores.end(), [&](const Score& score) {
+    return std::find(believed_.begin(), believed_.end(), score.what) == believed_.end();
+  });
+  const bool more = other != scores.end() && other->gain > (own ? own->gain : 0) + options_.lead;
+  if (!more) return false;
+  // Beside what explains more it may still be needed: then both are wrong.
+  believed_.push_back(other->what);
+  static_cast<void>(explanations_.judge(system_, prior_, believed_));
+  const auto beside = explanations_.score_of(what);
+  return !beside || beside->gain < options_.lead;
+}
+
+/// Asks one verdict again, as if it had not been given.
+void ErrorModel::look_back(Stamp stamp, std::vector<Alert>& alerts) {
+  constexpr int kBlocks = 4;
+  evidence_.sum(kBlocks, system_);
+  believe_quarantine();
+  if (believed_.empty()) return;
+  const Explanation asked = believed_[static_cast<std::size_t>(looks_ / 3) % believed_.size()];
+  std::erase(believed_, asked);
+  const auto scores = explanations_.judge(system_, prior_, believed_);
+  const auto own = explanations_.score_of(asked);
+  if (!own || own->views < kViewsToRevoke) return;
+  if (own->gain < options_.over_gain) {
+    take_back(stamp, asked, alerts);
+    return;
+  }
+  const Score first = scores.front();
+  if (first.what == asked || first.gain < std::max(own->gain, 0.0) + options_.lead) return;
+  const bool sure = nameable(first) && !contradicted_by_block(0, first.what) &&
+                    !contradicted_by_block(1, first.what);
+  if (sure) take_back(stamp, asked, alerts);
+}
+
+void ErrorModel::name(Stamp stamp, const Score& score, std::vector<Alert>& alerts) {
+  // What was gathered before something went wrong does not fit what is known now.
+  forget_evidence();
+  if (score.what.of_marker()) {
+    markers_.quarantine(stamp, score.what.map_index, score.marker, alerts);
+  } else {
+    name_camera(stamp, score, alerts);
+  }
+}
+
+void ErrorModel::name_camera(Stamp stamp, const Score& score, std::vector<Alert>& alerts) {
+  Alert alert;
+  alert.kind = score.what.kind;
+  alert.stamp = stamp;
+  alert.camera = score.what.camera;
+  if (score.what.kind == AlertKind::extrinsics_off) {
+    alert.offset_m = score.camera.head<3>().norm();
+    alert.offset_rad = score.camera.segment<3>(3).norm();
+  } else {
+    const int number = score.what.kind == AlertKind::lens_off        ? kFocal
+                       : score.what.kind == AlertKind::stamps_skewed ? kStamp
+                                                                     : kReadout;
+    alert.value = score.camera[number];
+    alert.sigma = score.camera_sigma[number];
+  }
+  alerts.push_back(alert);
+  verdicts_.push_back({score.what, score.camera, alert});
+  believe();
+}
+
+void ErrorModel::take_back(Stamp stamp, const Explanation& what, std::vector<Alert>& alerts) {
+  forget_evidence();
+  if (what.of_marker()) {
+    markers_.release(stamp, what.map_index, alerts);
+    return;
+  }
+  const auto verdict = std::find_if(verdicts_.begin(), verdicts_.end(),
+                                    [&](const Verdict& v) { return v.what == what; });
+  Alert alert = verdict->alert;
+  alert.raised = false;
+  alert.stamp = stamp;
+  alert.offset_m = alert.offset_rad = alert.value = alert.sigma = Alert{}.value;
+  alerts.push_back(alert);
+  verdicts_.erase(verdict);
+  believe();
+}
+
+void ErrorModel::forget_evidence() {
+  evidence_.clear();
+  forgotten_ = evidence_.sets();
+  waiting_.there = false;
+  undecided_ = 0;
+}
+
+void ErrorModel::end_verdicts(Stamp stamp, CameraMask cameras, std::vector<Alert>& alerts) {
+  for (std::size_t i = verdicts_.size(); i-- > 0;) {
+    const Explanation what = verdicts_[i].what;
+    if ((cameras & camera_bit(static_cast<std::size_t>(what.camera))) != 0) {
+      take_back(stamp, what, alerts);
+    }
+  }
+}
+
+CameraMask ErrorModel::suspects() const {
+  CameraMask mask = 0;
+  for (const Verdict& verdict : verdicts_) {
+    mask |= camera_bit(static_cast<std::size_t>(verdict.what.camera));
+  }
+  return mask;
+}
+
+}  // namespace waymark

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/estimate/consider_pose.h"
+
+namespace waymark {
+
+/// One observation as evidence: whitened by its noise alone.
+struct EvidenceRow {
+  std::size_t map_index = 0;
+  std::size_t camera = 0;
+  std::uint64_t view = 0;  ///< from where it is seen, and where in the image: alike ones are equal
+  ErrorColumns columns;
+};
+
+/// Least squares over frame sets in which the rig moved, every set's own pose eliminated: what they
+/// say together of the calibration's numbers (CalibrationPrior's order and units) and of the
+/// markers' places (Rigid3's tangents). Kept in blocks of sets, so that what is old can go.
+///
+/// Only what is seen anew counts: a set of which less than half the views are new adds nothing, for
+/// a standing vehicle sees the same errors again and again.
+class Evidence {
+ public:
+  static constexpr int kSetsPerBlock = 8;
+  static constexpr int kBlocks = 17;
+  /// Markers that are asked about at a time; of more, the first seen.
+  static constexpr std::size_t kMostMarkers = 32;
+
+  Evidence(std::size_t cameras, std::size_t map_markers);
+
+  /// Whether half of the views are new; remembers them.
+  [[nodiscard]] bool is_new(std::span<const EvidenceRow> rows);
+  /// Takes a set's observations. Those of markers beyond kMostMarkers are passed over.
+  void add(std::span<const EvidenceRow> rows);
+  /// Forgets all sets.
+  void clear();
+
+  /// Sets that were taken since the start.
+  [[nodiscard]] long sets() const { return sets_; }
+  /// The newest sets as one system; `blocks` of them, at least half a block.
+  struct System {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd evidence;
+    std::vector<std::size_t> markers;  ///< by slot, map index
+    std::vector<int> views;            ///< new ones, by slot
+    std::vector<int> sets_of_camera;
+    int sets = 0;
+  };
+  void sum(int blocks, System& system) const;
+  /// One block alone: 0 the newest, 1 the one before.
+  void block(int age, System& system) const;
+  [[nodiscard]] Eigen::Index calibration_size() const { return calibration_; }
+
+ private:
+  struct Block {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd evidence;
+    std::vector<int> views;
+    std::vector<int> sets_of_camera;
+    int sets = 0;
+  };
+  void begin_block();
+  [[nodiscard]] const Block& block_of(int age) const {
+    return blocks_[static_cast<std::size_t>((newest_ + kBlocks - age) % kBlocks)];
+  }
+  [[nodiscard]] std::optional<std::size_t> slot_for(std::size_t map_index);
+  struct Part {
+    Eigen::Index at, size;
+    bool operator==(const Part&) const = default;
+  };
+  void touch(const Part& part);
+
+  std::size_t cameras_;
+  Eigen::Index calibration_;
+  std::vector<int> slot_of_marker_;          ///< −1: none
+  std::vector<std::size_t> marker_of_slot_;  ///< kNone: free
+  std::array<Block, kBlocks> blocks_;
+  int newest_ = 0;
+  long sets_ = 0;
+  std::vector<unsigned char> seen_views_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> cross_;  ///< of a set, between its pose and all else
+  std::vector<Part> touched_;
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+};
+
+}  // namespace waymark

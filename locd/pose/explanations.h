@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "locd/alert.h"
+#include "locd/pose/evidence.h"
+#include "locd/pose/map_index.h"
+
+namespace waymark {
+
+/// One thing that may be wrong: some numbers with a wider prior than they have.
+struct Explanation {
+  AlertKind kind = AlertKind::marker_moved;
+  int camera = -1;            ///< whose pose, lens, clock or read-out
+  std::size_t map_index = 0;  ///< of a marker
+
+  [[nodiscard]] bool of_marker() const { return camera < 0; }
+  bool operator==(const Explanation&) const = default;
+};
+
+/// How well one explains what was seen.
+struct Score {
+  Explanation what;
+  /// Λ: log of how much likelier all is with it than without, after paying for its freedom.
+  double gain = 0;
+  double chi2 = 0;           ///< of the fault against its covariance
+  CalibrationVector camera;  ///< the fault in its own units, and its sigmas; of a camera
+  CalibrationVector camera_sigma;
+  Vector6d marker = Vector6d::Zero();  ///< of a marker
+  int views = 0;                       ///< new ones that tell of it
+};
+
+/// Scores all explanations of one system of evidence against each other: an explanation is another
+/// prior, and what the data gain by it is closed form (Gaussian evidence). Holds its memory.
+class Explanations {
+ public:
+  Explanations(std::size_t cameras, const MapIndex& map);
+
+  /// Scores, best first. `believed`: what is known to be wrong already, which is free to be so in
+  /// every score. `prior` without it.
+  [[nodiscard]] std::span<const Score> judge(const Evidence::System& system,
+                                             const CalibrationPrior& prior,
+                                             std::span<const Explanation> believed);
+  /// The score of one of them in the last judgement; nullopt: nothing told of it.
+  [[nodiscard]] std::optional<Score> score_of(const Explanation& what) const;
+
+  /// Widths (1 sigma) of a camera's numbers where it is wrong in this way, usual units.
+  [[nodiscard]] static CalibrationVector widths_of(AlertKind kind);
+
+ private:
+  void reduce(const Evidence::System& system, const CalibrationPrior& prior,
+              std::span<const Explanation> believed);
+  void score_camera(const Evidence::System& system, int camera, AlertKind kind);
+  void score_marker(const Evidence::System& system, Eigen::Index at, std::size_t slot);
+
+  const MapIndex& map_;
+  std::size_t cameras_;
+  std::vector<Score> scores_;
+  std::vector<std::size_t> slots_;  ///< of the markers asked about
+  Eigen::MatrixXd information_;     ///< of the numbers asked about
+  Eigen::VectorXd evidence_;
+  Eigen::MatrixXd root_;      ///< of the prior, one column per freedom
+  Eigen::MatrixXd reduced_;   ///< L⁻¹ Rᵀ A
+  Eigen::VectorXd answered_;  ///< L⁻¹ Rᵀ b
+};
+
+}  // namespace waymark
