@@ -7,6 +7,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/degrees.h"
+#include "locd/pose/pose_gate.h"
+#include "locd/publish/status_text.h"
+
 namespace waymark {
 namespace {
 
@@ -32,6 +36,8 @@ static_assert(pose_t::UNSYNCED == bit(PoseReason::unsynced));
 static_assert(pose_t::OUTLIERS == bit(PoseReason::outliers));
 static_assert(pose_t::CAMERA_SUSPECT == bit(PoseReason::camera_suspect));
 static_assert(pose_t::OVERLOAD == bit(PoseReason::overload));
+static_assert(pose_t::MISFIT == bit(PoseReason::misfit));
+static_assert(pose_t::WRONG_MAP == bit(PoseReason::wrong_map));
 
 double microseconds(Stamp interval) { return static_cast<double>(interval.count()) * 1e-3; }
 
@@ -48,6 +54,9 @@ void fill_world_from_base(const PoseEstimate& estimate, const SessionFacts& sess
   Eigen::Map<Eigen::Vector4d>(message.quaternion) = wxyz;
   Eigen::Map<Eigen::Matrix<double, 6, 6, Eigen::RowMajor>>(message.covariance) = covariance;
   message.rms_px = estimate.rms_px;
+  const PoseSigmas sigmas = worst_sigmas(covariance);
+  message.sigma_m = sigmas.position_m;
+  message.sigma_deg = kDegreesPerRadian * sigmas.rotation_rad;
   message.yaw_deg = session.world_z_is_up ? yaw_deg(world_from_base) : kNaN;
 }
 
@@ -57,6 +66,7 @@ void fill_nothing_known(pose_t& message) {
   std::fill(std::begin(message.covariance), std::end(message.covariance), kNaN);
   message.rms_px = kNaN;
   message.yaw_deg = kNaN;
+  message.sigma_m = message.sigma_deg = kNaN;
 }
 
 }  // namespace
@@ -75,6 +85,7 @@ pose_t make_pose_message(const SessionFacts& session) {
   message.cameras = static_cast<std::int32_t>(session.cameras);
   message.camera_count = message.cameras;
   message.camera_offset_us.assign(session.cameras, kNaN);
+  message.status_text.reserve(kMostStatusText);
   fill_nothing_known(message);
   return message;
 }
@@ -97,6 +108,8 @@ void fill_pose(const PoseEstimate& estimate, const SessionFacts& session, const 
   message.utime_published = clock.utime_us(published);
   message.status = static_cast<std::int8_t>(estimate.status);
   message.reasons = static_cast<std::int32_t>(estimate.reasons);
+  write_status_text(estimate, message.status_text);
+  message.resets = estimate.resets;
   message.cameras_used = std::popcount(estimate.cameras_used);
   message.markers_used = estimate.markers_used;
   message.outliers = estimate.outliers;

@@ -146,8 +146,8 @@ void StatusReport::fill(const std::vector<RigCapture::CameraState>& states,
   last_sets_ = counts.sets;
 }
 
-std::string StatusReport::text(const status_t& status) {
-  std::string line = fmt::format("{:.1f} frame sets/s", status.set_rate_hz);
+std::string StatusReport::text(const status_t& status, const std::string& poses) {
+  std::string line = fmt::format("{}; {:.1f} frame sets/s", poses, status.set_rate_hz);
   if (status.set_divisor > 1) {
     line += fmt::format(", overloaded: one of {} localized", status.set_divisor);
   }

@@ -45,8 +45,9 @@ class StatusReport {
   void fill(const std::vector<RigCapture::CameraState>& states, const LocalizationCounts& counts,
             Stamp interval, status_t& status);
 
-  /// One line: "OK at 29.9 Hz; cam1 missing: no such device".
-  [[nodiscard]] static std::string text(const status_t& status);
+  /// One line: "OK 97 % of 30/s, 14 markers, 3 mm; cam1 missing: no such device". `poses`: how they
+  /// are, as Telemetry sums them up.
+  [[nodiscard]] static std::string text(const status_t& status, const std::string& poses);
 
  private:
   struct Memory {

@@ -1,8 +1,12 @@
 #include "locd/publish/telemetry.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <utility>
 
 #include "core/base/check.h"
+#include "locd/publish/status_text.h"
 
 namespace waymark {
 namespace {
@@ -29,6 +33,8 @@ Telemetry::Telemetry(const LcmOptions& lcm, SessionFacts session, const ClockRea
       last_pose_(now.monotonic) {
   WAYMARK_CHECK(is_channel_prefix(lcm.channel_prefix));
   signed_pose_.pose.reserve(kMaxPoseBytes);
+  last_ok_.reserve(kMostStatusText);
+  last_not_ok_.reserve(kMostStatusText);
 }
 
 Stamp Telemetry::publish_pose(const PoseEstimate& estimate, Stamp now) {
@@ -59,6 +65,7 @@ void Telemetry::send_pose(const PoseEstimate& estimate, Stamp now) {
   fill_pose(estimate, session_, clock_, now, pose_);
   pose_.seq = poses_++;
   ++by_status_[static_cast<std::size_t>(estimate.status)];
+  (estimate.status == PoseStatus::ok ? last_ok_ : last_not_ok_) = pose_.status_text;
   last_pose_ = now;
   publisher_.publish(pose_channel_, pose_, now);
   if (key_) send_signed_pose(*key_, now);
@@ -100,6 +107,26 @@ void Telemetry::publish_alert(const std::string& kind, const std::string& subjec
 void Telemetry::send_alert(alert_t& alert, Stamp now) {
   alert.seq = alerts_++;
   publisher_.publish(channel("ALERT"), alert, now);
+}
+
+std::string Telemetry::take_pose_summary(Stamp interval) {
+  const std::lock_guard lock(mutex_);
+  std::int64_t poses = 0;
+  std::array<std::int64_t, 4> fresh{};
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    fresh[i] = by_status_[i] - std::exchange(summarized_[i], by_status_[i]);
+    poses += fresh[i];
+  }
+  if (poses == 0) return "no poses";
+  const std::int64_t ok = fresh[static_cast<std::size_t>(PoseStatus::ok)];
+  const double rate = static_cast<double>(poses) / std::max(in_s(interval), 1e-3);
+  std::string text =
+      fmt::format("OK {:.0f} % of {:.0f}/s",
+                  100.0 * static_cast<double>(ok) / static_cast<double>(poses), rate);
+  constexpr std::size_t kOk = 2;  // "OK, 14 markers, 3 mm" without its OK
+  if (ok > 0) text += last_ok_.substr(kOk);
+  if (ok < poses) text += "; " + last_not_ok_;
+  return text;
 }
 
 void Telemetry::publish_status(status_t& status, Stamp now) {

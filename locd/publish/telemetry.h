@@ -40,6 +40,9 @@ class Telemetry {
   /// An alert of the service itself: RELOAD, RECORDING, TIME …
   void publish_alert(const std::string& kind, const std::string& subject, const std::string& text,
                      bool raised, Stamp now);
+  /// How the poses since the last call were: "OK 97 % of 30/s, 14 markers, 3 mm; DEGRADED: cam1
+  /// missing", the last of each kind.
+  [[nodiscard]] std::string take_pose_summary(Stamp interval);
   /// Fills in what only this class knows (times, poses, latency, failures) and publishes.
   void publish_status(status_t& status, Stamp now);
 
@@ -91,6 +94,9 @@ class Telemetry {
   std::int64_t alerts_ = 0;
   std::int64_t statuses_ = 0;
   std::array<std::int64_t, 4> by_status_{};
+  std::array<std::int64_t, 4> summarized_{};  ///< of them, in the last summary
+  std::string last_ok_;                       ///< pose_t.status_text
+  std::string last_not_ok_;
   std::array<double, kLatencies> latency_ms_{};
   std::size_t latencies_ = 0;
 };

@@ -286,6 +286,7 @@ void Daemon::Parts::end_alerts_of_replaced(const MapIdentity& replaced, Stamp no
 }
 
 void Daemon::Parts::publish_status(Stamp now) {
+  const std::string poses = telemetry.take_pose_summary(now - last_status);
   report.fill(cameras, localization.counts(), now - last_status, status);
   last_status = now;
   status.version = options.version;
@@ -299,7 +300,7 @@ void Daemon::Parts::publish_status(Stamp now) {
   status.recorded_bytes = static_cast<std::int64_t>(recording.bytes);
   status.recorder_drops = static_cast<std::int64_t>(recording.drops);
   status.map_hash = telemetry.session().map_hash;
-  status.text = StatusReport::text(status);
+  status.text = StatusReport::text(status, poses);
   if (const auto trouble = quarantine_file->trouble(); !trouble.empty()) {
     status.text += "; " + trouble;
   }

@@ -23,6 +23,10 @@ waymark::pose_t pose() {
   std::iota(std::begin(m.quaternion), std::end(m.quaternion), 0.125);
   std::iota(std::begin(m.covariance), std::end(m.covariance), 0.25);
   m.status = waymark::pose_t::DEGRADED;
+  m.status_text = "DEGRADED: sure to 12 mm and 0.31 deg only, a camera is in doubt";
+  m.sigma_m = 0.012;
+  m.sigma_deg = 0.31;
+  m.resets = 7;
   m.reasons = int{waymark::pose_t::SIGMA} + int{waymark::pose_t::CAMERA_SUSPECT};
   m.cameras = 3;
   m.cameras_used = 2;

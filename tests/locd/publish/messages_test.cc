@@ -25,6 +25,7 @@ PoseEstimate estimate() {
                       Eigen::Vector3d(1, 2, 3)};
   e.covariance = Matrix6d::Identity() * 1e-6;
   e.covariance(0, 5) = e.covariance(5, 0) = 3e-7;
+  e.resets = 2;
   e.cameras_in_set = 0b101;
   e.cameras_used = 0b001;
   e.markers_used = 4;
@@ -47,6 +48,9 @@ TEST(Messages, APoseIsSaidAsItWasEstimated) {
   EXPECT_EQ(m.map_hash, "fedcba9876543210");
   EXPECT_EQ(m.status, pose_t::DEGRADED);
   EXPECT_EQ(m.reasons, int{pose_t::CAMERA_MISSING} | int{pose_t::SIGMA});
+  EXPECT_NEAR(m.sigma_m, 1e-3, 1e-4);
+  EXPECT_EQ(m.status_text.rfind("DEGRADED: ", 0), 0U);
+  EXPECT_EQ(m.resets, 2);
   EXPECT_EQ(m.cameras, 3);
   EXPECT_EQ(m.cameras_used, 1);
   EXPECT_EQ(m.markers_used, 4);
@@ -79,7 +83,8 @@ TEST(Messages, LostMeansNothingButNaN) {
   for (const double v : m.position) EXPECT_TRUE(std::isnan(v));
   for (const double v : m.quaternion) EXPECT_TRUE(std::isnan(v));
   for (const double v : m.covariance) EXPECT_TRUE(std::isnan(v));
-  for (const double v : {m.x_m, m.y_m, m.z_m, m.yaw_deg, m.rms_px}) EXPECT_TRUE(std::isnan(v));
+  for (const double v : {m.x_m, m.y_m, m.z_m, m.yaw_deg, m.rms_px, m.sigma_m, m.sigma_deg})
+    EXPECT_TRUE(std::isnan(v));
 }
 
 TEST(Messages, YawHasNoMeaningWhereUpIsNotKnown) {

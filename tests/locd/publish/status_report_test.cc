@@ -180,8 +180,9 @@ TEST(StatusReport, CountsRatesAndDrops) {
   EXPECT_EQ(status.drop_count, static_cast<std::int32_t>(status.drops.size()));
   machine.run(seconds(3), false);
   machine.report().fill(machine.states(), counts, seconds(3), status);
-  EXPECT_THAT(StatusReport::text(status),
-              testing::AllOf(testing::HasSubstr("one of 2 localized"),
+  EXPECT_THAT(StatusReport::text(status, "OK 97 % of 30/s, 14 markers, 3 mm"),
+              testing::AllOf(testing::StartsWith("OK 97 % of 30/s, 14 markers, 3 mm; "),
+                             testing::HasSubstr("one of 2 localized"),
                              testing::HasSubstr("cam1 missing: no such device")));
 }
 
