@@ -26,6 +26,7 @@ class BlockCholesky {
   /// and Chin, 1973), without the full inverse.
   [[nodiscard]] std::vector<Matrix6d> inverse_diagonal() const;
 
+  [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] std::size_t factor_blocks() const { return rows_.size(); }
 
  private:

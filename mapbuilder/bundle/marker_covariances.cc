@@ -5,7 +5,6 @@
 
 #include "core/geometry/alignment.h"
 #include "core/geometry/decompositions.h"
-#include "mapbuilder/bundle/block_cholesky.h"
 
 namespace waymark {
 namespace {
@@ -41,14 +40,19 @@ int best_known(const BlockMatrix& information, int markers) {
 
 }  // namespace
 
+std::vector<ObservationIndex> accepted_observations(const BundleProblem& problem,
+                                                    const Estimate& estimate) {
+  const Observations& all = problem.prepared->observations();
+  std::vector<ObservationIndex> accepted;
+  for (const ObservationIndex index : problem.observations) {
+    if (estimate.accepts(index) && estimate.posed(all[index])) accepted.push_back(index);
+  }
+  return accepted;
+}
+
 MarkerInformation marker_information(const BundleProblem& problem, const Estimate& estimate,
                                      int threads) {
-  const Observations& all = problem.prepared->observations();
-  std::vector<ObservationIndex> used;
-  for (const ObservationIndex index : problem.observations) {
-    if (estimate.accepts(index) && estimate.posed(all[index])) used.push_back(index);
-  }
-  ReducedProblem reduced(problem, used, {}, estimate, threads);
+  ReducedProblem reduced(problem, accepted_observations(problem, estimate), {}, estimate, threads);
   MarkerInformation result;
   result.information = reduced.reduce(reduced.start(), 0.0).information;
   result.markers = reduced.markers();
@@ -58,57 +62,85 @@ MarkerInformation marker_information(const BundleProblem& problem, const Estimat
   return result;
 }
 
-std::vector<Matrix6d> marker_covariances(const MarkerInformation& information) {
+std::optional<MarkerInverse> MarkerInverse::of(const MarkerInformation& information) {
   const auto count = static_cast<int>(information.markers.size());
-  if (count < 2) return {};
-  const std::vector<Rigid3>& poses = information.world_from_marker;
+  if (count < 2) return std::nullopt;
+  const int anchor = information.world_is_fixed ? -1 : best_known(information.information, count);
+  MarkerInverse inverse(information, anchor);
+  if (!inverse.factorize(information)) return std::nullopt;
+  return inverse;
+}
+
+MarkerInverse::MarkerInverse(const MarkerInformation& information, int anchor)
+    : count_(static_cast<int>(information.markers.size())),
+      anchor_(anchor),
+      cholesky_(information.information.pattern) {
+  if (anchor < 0) return;
   std::vector<Eigen::Vector3d> positions;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  for (const Rigid3& pose : poses) {
+  for (const Rigid3& pose : information.world_from_marker) {
     positions.push_back(pose.translation);
-    centre += pose.translation / count;
+    centre += pose.translation / count_;
   }
-  if (information.world_is_fixed) {
-    BlockCholesky cholesky(information.information.pattern);
-    if (!cholesky.factorize(information.information)) return {};
-    std::vector<Matrix6d> covariances = cholesky.inverse_diagonal();
-    covariances.resize(information.markers.size());
-    return covariances;
+  motions_ = world_motions(information.world_from_marker, centre);
+  gauge_ = motions_;
+  if (count_ >= 3 && !lie_on_a_line(positions)) {
+    for (int i = 0; i < count_; ++i) gauge_.middleRows<3>(6 * i + 3).setZero();
   }
-  const int anchor = best_known(information.information, count);
+  gauge_inverse_ = inverse(gauge_.transpose() * motions_);
+}
+
+bool MarkerInverse::factorize(const MarkerInformation& information) {
+  if (anchor_ < 0) return cholesky_.factorize(information.information);
   BlockMatrix fixed = information.information;
-  fix_block(fixed, anchor);
-  BlockCholesky cholesky(fixed.pattern);
-  if (!cholesky.factorize(fixed)) return {};
-  const std::vector<Matrix6d> own_blocks = cholesky.inverse_diagonal();
+  fix_block(fixed, anchor_);
+  return cholesky_.factorize(fixed);
+}
 
-  const Eigen::MatrixXd n = world_motions(poses, centre);
-  Eigen::MatrixXd g = n;
-  if (count >= 3 && !lie_on_a_line(positions)) {
-    for (int i = 0; i < count; ++i) g.middleRows<3>(6 * i + 3).setZero();
-  }
-  const Matrix6d gauge = inverse(g.transpose() * n);
-  // S⁻ G, with zero rows for the fixed marker.
-  // Calibration has no part in the world's motion.
-  Eigen::MatrixXd g_free = Eigen::MatrixXd::Zero(6 * fixed.pattern.columns(), 6);
-  g_free.topRows(6 * count) = g;
-  g_free.middleRows<6>(6 * anchor).setZero();
-  const Eigen::MatrixXd cg = cholesky.solve(g_free).topRows(6 * count);
-  const Matrix6d gcg = g.transpose() * cg;
+Eigen::MatrixXd MarkerInverse::solve_free(Eigen::MatrixXd b) const {
+  if (anchor_ >= 0) b.middleRows<6>(6 * anchor_).setZero();
+  // Calibration has no part in what is asked.
+  const Eigen::Index rows = b.rows();
+  b.conservativeResize(6L * cholesky_.columns(), Eigen::NoChange);
+  b.bottomRows(b.rows() - rows).setZero();
+  return cholesky_.solve(b).topRows(rows);
+}
 
-  std::vector<Matrix6d> covariances;
-  for (int i = 0; i < count; ++i) {
-    Matrix6d own = Matrix6d::Zero();
-    if (i != anchor) own = own_blocks[static_cast<std::size_t>(i)];
-    const Matrix6d moved = n.middleRows<6>(6 * i) * gauge;
+Eigen::MatrixXd MarkerInverse::solve(const Eigen::MatrixXd& b) const {
+  Eigen::MatrixXd x = solve_free(b);
+  if (anchor_ >= 0) x -= motions_ * (gauge_inverse_ * (gauge_.transpose() * x)).eval();
+  return x;
+}
+
+Eigen::MatrixXd MarkerInverse::covariance_times(const Eigen::MatrixXd& x) const {
+  if (anchor_ < 0) return solve_free(x);
+  return solve(x - gauge_ * (gauge_inverse_.transpose() * (motions_.transpose() * x)).eval());
+}
+
+std::vector<Matrix6d> MarkerInverse::diagonal() const {
+  std::vector<Matrix6d> covariances = cholesky_.inverse_diagonal();
+  covariances.resize(static_cast<std::size_t>(count_));
+  if (anchor_ < 0) return covariances;
+  // N⁻ g, with zero rows for the fixed marker.
+  const Eigen::MatrixXd cg = solve_free(gauge_);
+  const Matrix6d gcg = gauge_.transpose() * cg;
+  for (int i = 0; i < count_; ++i) {
+    Matrix6d& own = covariances[static_cast<std::size_t>(i)];
+    if (i == anchor_) own.setZero();
+    const Matrix6d moved = motions_.middleRows<6>(6 * i) * gauge_inverse_;
     const Matrix6d cross = moved * cg.middleRows<6>(6 * i).transpose();
     const Matrix6d full = own - cross - cross.transpose() + moved * gcg * moved.transpose();
     // A difference of large numbers: rounding may leave an eigenvalue a little below zero.
     const SymmetricEigen<6> eigen = symmetric_eigen<6>(0.5 * (full + full.transpose()));
     const Matrix6d root = eigen.vectors * eigen.values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
-    covariances.emplace_back(root * root.transpose());
+    own = root * root.transpose();
   }
   return covariances;
+}
+
+std::vector<Matrix6d> marker_covariances(const MarkerInformation& information) {
+  const auto inverse = MarkerInverse::of(information);
+  return inverse ? inverse->diagonal() : std::vector<Matrix6d>{};
 }
 
 }  // namespace waymark

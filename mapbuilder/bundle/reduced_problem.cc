@@ -208,7 +208,7 @@ void ReducedProblem::reduce_frame_set(const BundleVariables& at, std::size_t set
   }
 }
 
-ReducedSystem ReducedProblem::reduce(const BundleVariables& at, double damping) {
+ReducedSystem ReducedProblem::reduce(const BundleVariables& at, double damping, FrameSetHalf half) {
   if (pattern_.first.empty()) {
     std::vector<std::vector<int>> groups;
     groups.reserve(sets_.size() + factors_.size());
@@ -222,7 +222,7 @@ ReducedSystem ReducedProblem::reduce(const BundleVariables& at, double damping) 
     sums.blocks.assign(pattern_.blocks(), Matrix6d::Zero());
     sums.gradient = sums.diagonal = Eigen::VectorXd::Zero(6L * layout_.blocks);
     for (std::size_t s = slices_[index]; s < slices_[index + 1]; ++s) {
-      reduce_frame_set(at, s, damping, sums);
+      if (counts(s, half)) reduce_frame_set(at, s, damping, sums);
     }
   });
 

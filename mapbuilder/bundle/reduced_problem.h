@@ -34,6 +34,9 @@ struct ReducedSystem {
   double cost = 0;           ///< ½ Σ ρ, sigmas²
 };
 
+/// Which frame sets count: all of them, or one half: of each rig every second one, by their order.
+enum class FrameSetHalf { all, even, odd };
+
 /// A bundle problem's variables numbered and its normal equations reduced: the rig poses are
 /// eliminated, what remains are blocks of six, the markers' first, then the calibration's (unused
 /// rows carry a unit diagonal). Sums run over a fixed number of slices in a fixed order: the result
@@ -58,6 +61,9 @@ class ReducedProblem {
   [[nodiscard]] SizeClassIndex size_class_of(MarkerIndex marker) const {
     return size_class_of_marker_[marker];
   }
+  [[nodiscard]] double stated_size_m(SizeClassIndex size_class) const {
+    return size_of_class_m_[size_class];
+  }
   /// That take part.
   [[nodiscard]] const std::vector<FrameSetIndex>& frame_sets() const { return frame_sets_; }
   [[nodiscard]] const ReducedLayout& layout() const { return layout_; }
@@ -69,9 +75,10 @@ class ReducedProblem {
   /// ½ Σ ρ; infinite when a corner leaves its camera's domain.
   [[nodiscard]] double cost(const BundleVariables& at) const;
 
-  /// Linearizes at `at`, with H_rr damped by (1 + damping) on its diagonal. Remembers what the
-  /// back-substitution needs.
-  [[nodiscard]] ReducedSystem reduce(const BundleVariables& at, double damping);
+  /// Linearizes at `at`, with H_rr damped by (1 + damping) on its diagonal, over the frame sets of
+  /// `half` and all factors. Remembers what the back-substitution needs.
+  [[nodiscard]] ReducedSystem reduce(const BundleVariables& at, double damping,
+                                     FrameSetHalf half = FrameSetHalf::all);
 
   /// For solvers that eliminate by themselves: the observations that take part, each with the slot
   /// of its frame set, and whether that is constant.
@@ -103,6 +110,7 @@ class ReducedProblem {
     std::size_t first = 0;  ///< in observations_
     std::size_t count = 0;
     bool constant = false;
+    bool odd = false;             ///< among those of its rig
     std::size_t first_block = 0;  ///< in back_substitution_
     std::vector<int> blocks;      ///< that it touches, rising
   };
@@ -134,6 +142,9 @@ class ReducedProblem {
   void number_frame_sets(std::span<const ObservationIndex> observations,
                          const ConstantPoses& constant, const Estimate& estimate);
   void take_factors_of_scope(const Calibration& calibration);
+  [[nodiscard]] bool counts(std::size_t set_slot, FrameSetHalf half) const {
+    return half == FrameSetHalf::all || sets_[set_slot].odd == (half == FrameSetHalf::odd);
+  }
   [[nodiscard]] ObservationSlot slot_of(ObservationIndex index) const;
   [[nodiscard]] std::vector<int> blocks_of(const ObservationSlot& slot) const;
   void cut_into_slices();
@@ -152,6 +163,7 @@ class ReducedProblem {
   std::vector<MarkerIndex> markers_;                                ///< per slot
   IndexedVector<MarkerIndex, std::optional<std::size_t>> slot_of_;  ///< nullopt: takes no part
   IndexedVector<MarkerIndex, SizeClassIndex> size_class_of_marker_;
+  IndexedVector<SizeClassIndex, double> size_of_class_m_;
   std::vector<FrameSetIndex> frame_sets_;  ///< per slot, rising
   std::vector<FrameSetSlot> sets_;
   std::vector<ObservationSlot> observations_;

@@ -63,7 +63,10 @@ void ReducedProblem::number_calibration(std::span<const ObservationIndex> observ
   const auto& stated_sizes_m = prepared_.selection().stated_sizes_m();
   std::map<double, SizeClassIndex> class_of_size;
   for (const double size_m : stated_sizes_m) class_of_size.emplace(size_m, SizeClassIndex());
-  for (auto& [size_m, index] : class_of_size) index = start_.size_factor.push_back(1.0);
+  for (auto& [size_m, index] : class_of_size) {
+    index = start_.size_factor.push_back(1.0);
+    size_of_class_m_.push_back(size_m);
+  }
   for (const double size_m : stated_sizes_m) {
     size_class_of_marker_.push_back(class_of_size.at(size_m));
   }
@@ -97,12 +100,16 @@ void ReducedProblem::number_frame_sets(std::span<const ObservationIndex> observa
   std::sort(sorted.begin(), sorted.end(), [&](ObservationIndex a, ObservationIndex b) {
     return std::pair(all[a].frame_set, a) < std::pair(all[b].frame_set, b);
   });
+  IndexedVector<RigIndex, char> next_is_odd(all.rigs.size(), 0);
   for (const ObservationIndex index : sorted) {
     const FrameSetIndex frame_set = all[index].frame_set;
     if (sets_.empty() || frame_sets_.back() != frame_set) {
       FrameSetSlot set;
       set.first = observations_.size();
       set.constant = constant.holds(frame_set);
+      char& odd = next_is_odd[all.frame_sets[frame_set].rig];
+      set.odd = odd != 0;
+      odd = odd == 0 ? 1 : 0;
       sets_.push_back(set);
       frame_sets_.push_back(frame_set);
       start_.world_from_rig.push_back(estimate.world_from_rig[frame_set]->best.pose);

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "core/base/check.h"
+#include "core/camera/rig_parameters.h"
 
 namespace waymark::test {
 namespace {
@@ -71,7 +72,7 @@ Rig ring_rig(int cameras) {
          {},
          {}});
   }
-  return rig;
+  return stated_exact(std::move(rig));
 }
 
 Stamp room_stamp(int index) {
@@ -87,7 +88,7 @@ SyntheticRoom make_room(const RoomOptions& options) {
   MarkerCatalog::FamilyEntry family;
   family.family = Family::tag36h11;
   family.default_size_m = options.marker_m;
-  room.catalog = MarkerCatalog({family});
+  room.catalog = MarkerCatalog({family}).with_exact_sizes();
 
   const double reach = 0.5 * options.room_m - options.marker_m;
   const int per_wall = (options.markers + 3) / 4;

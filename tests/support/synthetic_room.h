@@ -43,7 +43,8 @@ struct SyntheticRoom {
 void hang(SyntheticRoom& room, int number, const Rigid3& world_from_marker, double size_m,
           const std::function<bool(Stamp)>& there);
 
-/// Three 1280×960 cameras of 90°, 120° apart (or as many as asked), none distortion.
+/// Three 1280×960 cameras of 90°, 120° apart (or as many as asked), none distortion; stated as
+/// exact.
 [[nodiscard]] Rig ring_rig(int cameras);
 
 /// Stamp of frame set `index`.
