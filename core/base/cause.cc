@@ -153,7 +153,7 @@ constexpr std::array<CauseText, 44> kCauses{{
      "points."},
     {scale_unknown, "scale_unknown", "map",
      "No measured length tells the scale beyond the stated sizes.",
-     "What an edge bias of the cameras would do to it.",
+     "How sure rig and sizes are stated to be, and what that does to it.",
      "Measure a distance on site (survey.toml) where that matters."},
 
     {survey_unit, "survey_unit", "survey", "The survey's lengths are not metres.",

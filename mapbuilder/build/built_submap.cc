@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "mapbuilder/bundle/marker_covariances.h"
-#include "mapbuilder/calibration/scale_bound.h"
 #include "mapbuilder/observations/covisibility.h"
 
 namespace waymark {
@@ -78,10 +76,6 @@ class SubMapMaker {
                reach_of(*scope_.survey, observations_, estimate_.calibration, poses).scale) {
       made_.map.frame = FrameKind::scaled;
     }
-    if (made_.map.frame == FrameKind::arbitrary) {
-      made_.scale_per_edge_px = scale_per_edge_px(prepared_, estimate_, posed_, seed_,
-                                                  options_.loss, mapper_.options().threads);
-    }
     made_.survey = survey_residuals(options_.survey, observations_, estimate_.calibration, poses,
                                     in_facility_);
   }
@@ -104,41 +98,55 @@ class SubMapMaker {
     problem.observations = posed_;
     problem.scope = scope_;
     problem.loss = options_.loss;
-    const MarkerInformation information =
-        marker_information(problem, estimate_, mapper_.options().threads);
-    const std::vector<Matrix6d> covariances = marker_covariances(information);
-    made_.covariances_known = !covariances.empty();
-    for (const MarkerIndex m : component_.markers) {
-      MapMarker marker = marker_of(m);
-      const auto slot = std::lower_bound(information.markers.begin(), information.markers.end(), m);
-      if (!covariances.empty() && slot != information.markers.end() && *slot == m) {
-        marker.covariance =
-            turned(covariances[static_cast<std::size_t>(slot - information.markers.begin())]);
-      }
-      made_.map.markers.push_back(marker);
-    }
+    const auto considered = considered_map(problem, estimate_, mapper_.options().threads);
+    made_.covariances_known = considered.has_value();
+    for (const MarkerIndex m : component_.markers) made_.map.markers.push_back(marker_of(m));
+    if (considered) take_considered(*considered);
+    for (MapMarker& marker : made_.map.markers) move_marker(world_from_built_, marker);
   }
 
-  /// All but a known covariance.
+  void take_considered(const ConsideredMap& considered) {
+    made_.scale = considered.scale;
+    made_.noise_share = considered.noise_share;
+    made_.dropped_mean = considered.dropped_mean;
+    made_.dropped_worst = considered.dropped_worst;
+    for (std::size_t i = 0; i < considered.markers.size(); ++i) {
+      const auto at = std::lower_bound(component_.markers.begin(), component_.markers.end(),
+                                       considered.markers[i]);
+      if (at == component_.markers.end() || *at != considered.markers[i]) continue;
+      MapMarker& marker =
+          made_.map.markers[static_cast<std::size_t>(at - component_.markers.begin())];
+      marker.covariance = considered.of_marker[i].within;
+      marker.covariance_metric = considered.of_marker[i].metric;
+      marker.modes = considered.of_marker[i].modes;
+    }
+    for (std::size_t i = 0; i < considered.parameters.all.size(); ++i) {
+      const ConsiderParameter& one = considered.parameters.all[i];
+      MapParameter& parameter = made_.map.parameters.emplace_back();
+      parameter.name = name_of(one, considered.rigs);
+      if (!one.is_size()) {
+        parameter.serial =
+            considered.rigs[one.rig].cameras[one.of_rig.camera].serial.substr(0, kMaxSerialText);
+      }
+      parameter.cross = considered.cross.row(static_cast<Eigen::Index>(i));
+    }
+    made_.map.parameter_covariance = considered.parameters.covariance;
+  }
+
+  /// All but a known covariance, in the estimate's world.
   [[nodiscard]] MapMarker marker_of(MarkerIndex m) const {
     const MarkerResiduals& residuals = of_marker_[m];
     MapMarker marker;
     marker.id = observations_.markers[m];
     marker.stated_size_m = observations_.stated_sizes_m[m];
     marker.size_m = estimate_.calibration.sizes_m[m];
-    marker.world_from_marker = world_from_built_ * *estimate_.world_from_marker[m];
+    marker.world_from_marker = *estimate_.world_from_marker[m];
     marker.observations = residuals.accepted;
     marker.rejected = residuals.rejected;
     marker.rms_px = residuals.inliers.rms_px();
     marker.verified = residuals.independent >= 2;
     marker.covariance = unknown_covariance();
     return marker;
-  }
-
-  [[nodiscard]] Matrix6d turned(const Matrix6d& covariance) const {
-    const Matrix6d turn = left_motion_jacobian(world_from_built_);
-    const Matrix6d result = turn * covariance * turn.transpose();
-    return 0.5 * (result + result.transpose());
   }
 
   const IncrementalMapper& mapper_;

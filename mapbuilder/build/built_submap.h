@@ -5,6 +5,7 @@
 #include "core/map/marker_map.h"
 #include "mapbuilder/build/build_options.h"
 #include "mapbuilder/build/submap_residuals.h"
+#include "mapbuilder/bundle/consider_covariance.h"
 #include "mapbuilder/bundle/survey_factors.h"
 #include "mapbuilder/calibration/calibration.h"
 #include "mapbuilder/growth/localized_frame_set.h"
@@ -23,8 +24,12 @@ struct BuiltSubMap {
   std::size_t observations = 0;  ///< of mapped markers in localized frame sets
   std::size_t rejected = 0;      ///< of these, by the gate
   std::vector<SurveyResidual> survey;
-  /// See scale_bound.h; empty where a measured length tells the scale.
-  IndexedVector<CameraIndex, double> scale_per_edge_px;
+  std::optional<ScaleUncertainty> scale;  ///< nullopt where covariances are not known
+  /// Noise of corners once what calibration and sizes may be wrong by is told from it, as a share
+  /// of model_sigma_px and the detector's.
+  double noise_share = 1;
+  double dropped_mean = 0;  ///< of markers' variance, by modes that the map has no place for
+  double dropped_worst = 0;
   bool converged = false;          ///< with gate, flips and noise at rest
   bool covariances_known = false;  ///< false: the map holds them as unknown, as of a marker alone
 };

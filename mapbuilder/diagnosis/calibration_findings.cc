@@ -235,29 +235,23 @@ void name_survey(const BuiltSubMap& submap, std::vector<Finding>& findings) {
   }
 }
 
-/// What an edge that is seen further out than it is would do to the scale.
-Finding scale_bound(const BuiltSubMap& submap, const IndexedVector<RigIndex, Rig>& rigs) {
-  const double edge_px = BundleScope{}.edge_bias_sigma_px;
+/// How sure the scale is that rests on stated sizes and calibration alone.
+Finding scale_unknown(const ScaleUncertainty& scale) {
   constexpr double kPpm = 1e6;
   Finding finding;
   finding.cause = Cause::scale_unknown;
   finding.subject = "scale";
   finding.severity = Severity::note;
-  double alike = 0;
-  std::size_t index = 0;
-  for (const Rig& rig : rigs) {
-    for (const RigCamera& camera : rig.cameras) {
-      const double ppm = kPpm * edge_px * submap.scale_per_edge_px[CameraIndex(index++)];
-      alike += ppm;
-      finding.figures.push_back({fmt::format("{} alone", camera.name), std::abs(ppm), "ppm", {}});
-    }
+  finding.figures.push_back({"scale", kPpm * scale.sigma, "ppm", {}});
+  std::vector<std::string> parts;
+  for (const ScaleUncertainty::Part& part : scale.parts) {
+    finding.figures.push_back({std::string(part.of), kPpm * part.sigma, "ppm", {}});
+    parts.push_back(fmt::format("{} {:.0f}", part.of, kPpm * part.sigma));
   }
-  finding.figures.insert(finding.figures.begin(), {"scale", std::abs(alike), "ppm", {}});
   finding.text = fmt::format(
-      "known to ± {0:.0f} ppm for edges seen within ± {1:.2g} px: blooming, print and sensor "
-      "response move all edges of a marker outward or inward alike, and no measured length tells "
-      "how far. By {1:.2g} px in all cameras the map would be {0:.0f} ppm too large or too small.",
-      std::abs(alike), edge_px);
+      "known to ± {:.0f} ppm, one standard deviation, by what rig and sizes are stated to be sure "
+      "of (ppm: {}): no measured length tells it.",
+      kPpm * scale.sigma, fmt::join(parts, ", "));
   finding.remedy = "Measure a distance on site (survey.toml) where that matters.";
   return finding;
 }
@@ -319,8 +313,9 @@ std::vector<Finding> calibration_findings(const BuildResult& result,
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
     const std::size_t first = findings.size();
     name_survey(result.submaps[i], findings);
-    if (!result.submaps[i].scale_per_edge_px.empty()) {
-      findings.push_back(scale_bound(result.submaps[i], result.calibration.rigs_before));
+    const BuiltSubMap& submap = result.submaps[i];
+    if (submap.scale && submap.map.frame == FrameKind::arbitrary) {
+      findings.push_back(scale_unknown(*submap.scale));
     }
     for (std::size_t f = first; f < findings.size(); ++f) findings[f].submap = i;
   }

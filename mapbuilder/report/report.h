@@ -54,6 +54,7 @@ struct ReportSubMap {
   std::size_t ambiguous = 0;  ///< frame sets left out of the tracks
   double corner_sigma_px = 0;
   bool covariances_known = false;
+  std::optional<double> scale_sigma;  ///< of the scale, as a share; calibration considered
   /// Mean of the cameras' upward image directions (−y) in the world; its length is 1 when they
   /// never turned over and 0 when they looked everywhere.
   Eigen::Vector3d camera_up_in_world = Eigen::Vector3d::Zero();

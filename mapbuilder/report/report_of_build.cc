@@ -130,6 +130,7 @@ Report report_of_build(const BuildResult& result, const Observations& observatio
     told.ambiguous = submap.ambiguous.size();
     told.corner_sigma_px = submap.model_sigma_px;
     told.covariances_known = submap.covariances_known;
+    if (submap.scale) told.scale_sigma = submap.scale->sigma;
     told.camera_up_in_world = camera_up_in_world(submap, observations, result.estimate.calibration);
     report.submaps.push_back(std::move(told));
   }

@@ -67,10 +67,12 @@ ordered_json finding_json(const Finding& finding, bool with_family) {
 ordered_json marker_json(const MapMarker& marker, bool covariances_known, bool with_family) {
   ordered_json sigma_m = nullptr;
   ordered_json sigma_deg = nullptr;
+  ordered_json sigma_metric_m = nullptr;
   if (covariances_known && marker.covariance_known()) {
     const Vector6d variances = marker.covariance.diagonal().cwiseMax(0.0);
     sigma_m = nine_decimals(std::sqrt(variances.head<3>().sum()));
     sigma_deg = nine_decimals(std::sqrt(variances.tail<3>().sum()) * 180 / std::numbers::pi);
+    sigma_metric_m = nine_decimals(std::sqrt(marker.metric().topLeftCorner<3, 3>().trace()));
   }
   const Rigid3& pose = marker.world_from_marker;
   return {{"id", json_of(marker.id, with_family)},
@@ -81,6 +83,7 @@ ordered_json marker_json(const MapMarker& marker, bool covariances_known, bool w
           {"quaternion_xyzw", vector_json(pose.rotation.coeffs())},
           {"sigma_position_m", std::move(sigma_m)},
           {"sigma_rotation_deg", std::move(sigma_deg)},
+          {"sigma_metric_position_m", std::move(sigma_metric_m)},
           {"observations", marker.observations},
           {"rejected", marker.rejected},
           {"rms_px", nine_decimals(marker.rms_px)},
@@ -109,18 +112,21 @@ ordered_json submap_json(const SubMap& submap, const ReportSubMap& told, bool wi
   }
   ordered_json tracks = ordered_json::array();
   for (const ReportTrack& track : told.tracks) tracks.push_back(track_json(track));
-  return {{"frame", name_of(submap.frame)},
-          {"z_is_up", submap.z_is_up},
-          {"frame_sets", submap.frame_sets},
-          {"ambiguous_frame_sets", told.ambiguous},
-          {"observations", told.observations},
-          {"rejected", told.rejected},
-          {"rms_px", nine_decimals(submap.rms_px)},
-          {"rms_all_px", nine_decimals(submap.rms_all_px)},
-          {"corner_sigma_px", nine_decimals(told.corner_sigma_px)},
-          {"covariances_known", told.covariances_known},
-          {"tracks", std::move(tracks)},
-          {"markers", std::move(markers)}};
+  return {
+      {"frame", name_of(submap.frame)},
+      {"z_is_up", submap.z_is_up},
+      {"frame_sets", submap.frame_sets},
+      {"ambiguous_frame_sets", told.ambiguous},
+      {"observations", told.observations},
+      {"rejected", told.rejected},
+      {"rms_px", nine_decimals(submap.rms_px)},
+      {"rms_all_px", nine_decimals(submap.rms_all_px)},
+      {"corner_sigma_px", nine_decimals(told.corner_sigma_px)},
+      {"covariances_known", told.covariances_known},
+      {"scale_sigma_ppm", told.scale_sigma ? ordered_json(nine_decimals(1e6 * *told.scale_sigma))
+                                           : ordered_json(nullptr)},
+      {"tracks", std::move(tracks)},
+      {"markers", std::move(markers)}};
 }
 
 ordered_json radius_json(const std::vector<RadiusBin>& bins) {

@@ -8,6 +8,7 @@
 
 #include "core/map/map_edit.h"
 #include "core/map/marker_search.h"
+#include "mapbuilder/upkeep/considered_marker.h"
 #include "mapbuilder/upkeep/flipped_markers.h"
 #include "mapbuilder/upkeep/joined_system.h"
 #include "mapbuilder/upkeep/misfit.h"
@@ -256,6 +257,8 @@ class MapUpdater {
       if (built != nullptr && !holds) {
         marker.covariance *= updated.misfit_sigmas * updated.misfit_sigmas;
       }
+      const bool stood = here != nullptr && !stands_among(updated.comparison.moved, id);
+      consider(stood ? here : nullptr, updated.comparison.old_from_new, marker);
       put(marker, submap);
     }
     if (!known_[updated.old_submap].ids.empty()) known_[updated.old_submap] = joined.known;

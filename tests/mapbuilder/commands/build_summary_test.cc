@@ -27,6 +27,28 @@ TEST(BuildSummary, HasALinePerSubMap) {
       << text;
 }
 
+TEST(BuildSummary, SaysWhatIsConsideredAndWhereModesAreTooFew) {
+  BuildResult result;
+  result.submaps.resize(1);
+  BuiltSubMap& submap = result.submaps[0];
+  submap.scale = ScaleUncertainty{812e-6, {}};
+  submap.model_sigma_px = 0.4;
+  submap.noise_share = 0.25;
+  submap.dropped_mean = 0.005;
+  submap.dropped_worst = 0.017;
+  std::ostringstream out;
+  print_summary(result, out);
+  EXPECT_NE(out.str().find("sub-map 0: scale ± 812 ppm; corner sigma without calibration's part "
+                           "0.100 px; 16 modes leave out 0.5 % of the markers' variance, 1.7 % of "
+                           "the worst's\n"),
+            std::string::npos)
+      << out.str();
+  submap.dropped_worst = 0.03;
+  std::ostringstream more;
+  print_summary(result, more);
+  EXPECT_NE(more.str().find("3 % of the worst's: more would be needed\n"), std::string::npos);
+}
+
 TEST(BuildSummary, OfTheSurveyMappedEntriesAreToldWithTheirUse) {
   BuildResult result;
   result.submaps.resize(1);

@@ -29,6 +29,7 @@ TEST(Summary, UnknownCovariancesAreNullNotZero) {
   const auto marker = summary_json(report).at("submaps").at(0).at("markers").at(0);
   EXPECT_TRUE(marker.at("sigma_position_m").is_null());
   EXPECT_TRUE(marker.at("sigma_rotation_deg").is_null());
+  EXPECT_TRUE(marker.at("sigma_metric_position_m").is_null());
 }
 
 TEST(Summary, IdsNameTheirFamilyWhereSeveralMeet) {
