@@ -1,10 +1,15 @@
 #include "core/camera/rig_parameters.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <numbers>
 
 namespace waymark {
 namespace {
+
+constexpr double kDegPerRad = 180 / std::numbers::pi;
 
 /// How many axes a quantity has.
 int axes_of(CameraQuantity quantity) {
@@ -153,6 +158,28 @@ Rig stated_exact(Rig rig) {
     }
   }
   return rig;
+}
+
+std::optional<std::string> note_of_default_sigmas(const Rig& rig, const std::string& name) {
+  const auto states = [](const RigCamera& camera) {
+    return camera.stated_sigmas != StatedSigmas{};
+  };
+  if (rig.joint_sigmas || rig.cameras.empty() ||
+      std::any_of(rig.cameras.begin(), rig.cameras.end(), states)) {
+    return std::nullopt;
+  }
+  const SigmaSource source = source_of(rig.cameras.front());
+  const CameraSigmas sigmas = default_sigmas(source, std::nullopt, {});
+  const std::string places =
+      rig.cameras.size() < 2
+          ? ""
+          : fmt::format("{:g} mm and {:.3g}° between cameras, ", 1e3 * sigmas.position_m,
+                        kDegPerRad * sigmas.rotation_rad);
+  return fmt::format(
+      "{}: states no sigma; those of calibrations of source {} are taken: {}focal length {:g} %, "
+      "principal point {:g} px, k1 {:g}, edges {:g} px",
+      name, to_string(source), places, 100 * sigmas.focal, sigmas.principal_px, sigmas.k1,
+      sigmas.edge_px);
 }
 
 }  // namespace waymark

@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/camera/rig.h"
@@ -50,5 +52,10 @@ inline constexpr double kCommonShare = 0.5;
 
 /// The rig with sigmas that state it as exact, each 1e-9 of its unit: what a simulator knows.
 [[nodiscard]] Rig stated_exact(Rig rig);
+
+/// What to tell of a rig that states no sigma of any number, once: which are taken. nullopt of any
+/// other. `name` stands for its file.
+[[nodiscard]] std::optional<std::string> note_of_default_sigmas(const Rig& rig,
+                                                                const std::string& name);
 
 }  // namespace waymark

@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/camera/kalibr.h"
+#include "core/camera/rig_parameters.h"
 #include "core/capture/sync_tolerance.h"
 #include "core/map/map_file.h"
 #include "core/marker/image_families.h"
@@ -188,6 +189,9 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
   if (setup.markers_toml.empty()) {
     setup.notes.emplace_back(
         "no [record] markers: recordings need a markers.toml before mapbuilder reads them");
+  }
+  if (auto note = note_of_default_sigmas(setup.rig, setup.config.rig.camchain.string())) {
+    setup.notes.push_back(*std::move(note));
   }
   // The rig's come last: of very many only the first are shown.
   std::move(rig->notes.begin(), rig->notes.end(), std::back_inserter(setup.notes));

@@ -6,6 +6,7 @@
 
 #include "core/base/notes.h"
 #include "core/base/output_check.h"
+#include "core/camera/rig_parameters.h"
 #include "core/capture/capture_files.h"
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/input_findings.h"
@@ -26,6 +27,16 @@ std::vector<std::string> edge_lines(const DetectionReport& report, const Rig& ri
     lines.push_back(edges_text(rig.cameras[i].name, report.edges[i]));
   }
   return lines;
+}
+
+/// Which sigmas are taken where a capture's rig states none; told of the first such rig alone.
+void tell_default_sigmas(const std::vector<DetectedCapture>& captures, std::ostream& notes) {
+  for (const DetectedCapture& capture : captures) {
+    if (const auto note = note_of_default_sigmas(capture.rig, capture.name)) {
+      print_line(notes, "note: {}", *note);
+      return;
+    }
+  }
 }
 
 bool is_file(const std::filesystem::path& path) {
@@ -62,6 +73,7 @@ Expected<TakenCaptures> take_videos_in(const CaptureInput& input, Progress& prog
   for (const RigCamera& camera : detected->rig.cameras) looks.emplace_back().camera = camera.name;
   taken.findings = input_findings(*detected, looks);
   taken.captures.push_back(std::move(*detected));
+  tell_default_sigmas(taken.captures, notes);
   return taken;
 }
 
@@ -121,6 +133,7 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
     }
     taken.captures.push_back(std::move(*detected));
   }
+  tell_default_sigmas(taken.captures, notes);
   return taken;
 }
 

@@ -1,11 +1,14 @@
 #include "core/camera/rig_parameters.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/base/check.h"
 
 namespace waymark {
 namespace {
+
+using testing::HasSubstr;
 
 CameraModel model(Distortion distortion) {
   CameraParameters p;
@@ -90,6 +93,16 @@ TEST(RigParameters, AnExactRigIsOne) {
   const Rig rig = stated_exact(two_cameras());
   EXPECT_LT(rig_covariance(rig).cwiseAbs().maxCoeff(), 1e-17);
   EXPECT_FALSE(rig.cameras[1].stated_sigmas.k1) << "what the model lacks is not stated";
+}
+
+TEST(RigParameters, ARigWithoutSigmasSaysWhichAreTaken) {
+  Rig rig = two_cameras();
+  const auto note = note_of_default_sigmas(rig, "rig.yaml");
+  ASSERT_TRUE(note);
+  EXPECT_THAT(*note, HasSubstr("rig.yaml: states no sigma"));
+  EXPECT_THAT(*note, HasSubstr("1 mm and 0.05°"));
+  rig.cameras[1].stated_sigmas.edge_px = 0.1;
+  EXPECT_FALSE(note_of_default_sigmas(rig, "rig.yaml"));
 }
 
 }  // namespace
