@@ -17,9 +17,11 @@
 #include "bench/detector_referees.h"
 #include "core/capture/capture_folder.h"
 #include "core/capture/image_file.h"
-#include "core/detect/aruco_detector.h"
 #include "core/detect/cell_reader.h"
+#include "core/detect/code_table.h"
 #include "core/detect/corner_refiner.h"
+#include "core/detect/negative_image.h"
+#include "core/marker/marker_bits.h"
 #include "core/marker/marker_outline.h"
 
 namespace {
@@ -68,7 +70,7 @@ struct Tally {
 
 class Comparison {
  public:
-  Comparison(Family family, const std::string& only, bool list) : list_(list), bits_({&family, 1}) {
+  Comparison(Family family, const std::string& only, bool list) : list_(list) {
     detectors_ = bench::all_detectors(family);
     if (!only.empty()) {
       std::erase_if(detectors_, [&](const auto& one) { return one.name != only; });
@@ -124,12 +126,18 @@ class Comparison {
 
   std::optional<Detection> confirmed(const GrayView& image, const CameraModel& camera,
                                      const Detection& rough) const {
-    const MarkerBits& bits = bits_.of(rough.marker);
-    const auto refined = refine_corners(image, camera, rough.corners, bits);
+    MarkerBits bits = marker_bits(rough.marker);
+    NegativeImage negative;
+    GrayView shown = image;
+    if (bits.is_light()) {
+      shown = negative.of(image);
+      bits = negative_of(bits);
+    }
+    const auto refined = refine_corners(shown, camera, rough.corners, bits);
     if (!refined) return std::nullopt;
-    const auto cells = read_cells(image, refined->corners, bits);
+    const auto cells = read_cells(shown, refined->corners, bits);
     if (!cells || cells->wrong_code_cells > correctable_bits(rough.marker.family) ||
-        cells->wrong_border_cells > 4 * (bits.cells - 1) / 8) {
+        cells->wrong_other_cells > cells->other_cells / 8) {
       return std::nullopt;
     }
     return Detection{rough.marker, refined->corners, refined->covariances, cells->wrong_code_cells};
@@ -170,7 +178,6 @@ class Comparison {
   }
 
   bool list_;
-  MarkerBitsTable bits_;
   std::vector<bench::NamedDetector> detectors_;
   std::vector<Tally> tallies_;
   Tally union_;

@@ -1,14 +1,9 @@
 #include "bench/detector_referees.h"
 
-#include <apriltag/apriltag.h>
-#include <apriltag/tag16h5.h>
-#include <apriltag/tag25h9.h>
-#include <apriltag/tag36h10.h>
-#include <apriltag/tag36h11.h>
-
 #include <opencv2/aruco.hpp>
 
-#include "core/marker/opencv_dictionary.h"
+#include "mapbuilder/referees/apriltag_family.h"
+#include "mapbuilder/referees/opencv_dictionary.h"
 
 namespace waymark::bench {
 namespace {
@@ -21,7 +16,7 @@ class OpencvDefault final : public MarkerDetector {
         dictionary_(cv::aruco::getPredefinedDictionary(opencv_dictionary(family))) {}
 
  private:
-  const std::vector<Detection>& find(const GrayView& image) override {
+  const std::vector<Detection>& find(const GrayView& image, std::span<const ImageWindow>) override {
     const cv::Mat pixels(image.height_px, image.width_px, CV_8UC1,
                          const_cast<std::uint8_t*>(image.data), image.stride_bytes);
     cv::aruco::detectMarkers(pixels, dictionary_, quads_, numbers_);
@@ -50,24 +45,17 @@ class OpencvDefault final : public MarkerDetector {
 class Apriltag final : public MarkerDetector {
  public:
   Apriltag(Family family, float decimate) : family_(family) {
-    tags_ = family == Family::tag16h5    ? tag16h5_create()
-            : family == Family::tag25h9  ? tag25h9_create()
-            : family == Family::tag36h10 ? tag36h10_create()
-                                         : tag36h11_create();
-    apriltag_detector_add_family_bits(detector_, tags_, 2);
+    apriltag_detector_add_family_bits(detector_, tags_, traits(family).id_count > 10'000 ? 0 : 2);
     detector_->quad_decimate = decimate;
     detector_->nthreads = 1;
   }
   ~Apriltag() override {
     apriltag_detector_destroy(detector_);
-    if (family_ == Family::tag16h5) tag16h5_destroy(tags_);
-    if (family_ == Family::tag25h9) tag25h9_destroy(tags_);
-    if (family_ == Family::tag36h10) tag36h10_destroy(tags_);
-    if (family_ == Family::tag36h11) tag36h11_destroy(tags_);
+    apriltag_family(family_)->destroy(tags_);
   }
 
  private:
-  const std::vector<Detection>& find(const GrayView& image) override {
+  const std::vector<Detection>& find(const GrayView& image, std::span<const ImageWindow>) override {
     image_u8_t pixels{image.width_px, image.height_px, static_cast<int>(image.stride_bytes),
                       const_cast<std::uint8_t*>(image.data)};
     zarray_t* found = apriltag_detector_detect(detector_, &pixels);
@@ -88,7 +76,7 @@ class Apriltag final : public MarkerDetector {
   }
 
   Family family_;
-  apriltag_family_t* tags_ = nullptr;
+  apriltag_family_t* tags_ = apriltag_family(family_)->create();
   apriltag_detector_t* detector_ = apriltag_detector_create();
   std::vector<Detection> found_;
 };
@@ -97,10 +85,14 @@ class Apriltag final : public MarkerDetector {
 
 std::vector<NamedDetector> all_detectors(Family family) {
   std::vector<NamedDetector> all;
-  all.push_back({"own", make_detector({&family, 1}, {.engine = DetectorEngine::own})});
-  all.push_back({"opencv, ours", make_detector({&family, 1}, {.engine = DetectorEngine::opencv})});
-  all.push_back({"opencv default", std::make_unique<OpencvDefault>(family)});
-  if (engine_knows(DetectorEngine::apriltag, family)) {
+  const MarkerCatalog catalog({{family, 0.1, {}, {}}});
+  all.push_back({"own", make_detector({&family, 1})});
+  if (is_in_opencv(family)) {
+    auto ours = make_detector(DetectorEngine::opencv, catalog, "bench");
+    if (ours) all.push_back({"opencv, ours", std::move(*ours)});
+    all.push_back({"opencv default", std::make_unique<OpencvDefault>(family)});
+  }
+  if (apriltag_family(family) != nullptr) {
     all.push_back({"apriltag, half", std::make_unique<Apriltag>(family, 2)});
     all.push_back({"apriltag, full", std::make_unique<Apriltag>(family, 1)});
   }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/detect/marker_detector.h"
+#include "mapbuilder/referees/detector_engine.h"
 
 namespace waymark::bench {
 

@@ -19,6 +19,20 @@ find_package(spdlog REQUIRED)
 # Only the video importer links FFmpeg's: each start of a program that does costs 70 MB and 0.1–0.2 s.
 pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
 
+# Referees of core/detect. OpenCV's CMake configuration comes only with libopencv-dev, which pulls in VTK, HDF5 and GTK;
+# modules are declared one by one.
+pkg_check_modules(APRILTAG REQUIRED IMPORTED_TARGET apriltag)
+find_path(OPENCV_INCLUDE_DIR opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+function(waymark_opencv_module module)
+  find_library(OPENCV_${module} opencv_${module} REQUIRED)
+  add_library(opencv::${module} UNKNOWN IMPORTED GLOBAL)
+  set_target_properties(opencv::${module} PROPERTIES IMPORTED_LOCATION ${OPENCV_${module}}
+                        INTERFACE_INCLUDE_DIRECTORIES ${OPENCV_INCLUDE_DIR})
+endfunction()
+foreach(module core imgproc aruco)
+  waymark_opencv_module(${module})
+endforeach()
+
 if(WAYMARK_TESTS)
   find_package(GTest REQUIRED)
   find_package(Boost 1.74 REQUIRED)

@@ -83,9 +83,6 @@ int main(int argc, char** argv) {
   Places places;
   for (const waymark::MapMarker& marker : map->submaps.front().markers) places[marker.id] = marker;
   const waymark::MarkerCatalog catalog = catalog_of(places);
-  if (const auto found = waymark::check_found_in_images(catalog, argv[1]); !found) {
-    return end_with(found.error());
-  }
   waymark::ImageDetector detector(catalog);
   std::vector<waymark::MarkerObservation> observations;
   std::vector<waymark::FixedMarkerObservation> fixed;

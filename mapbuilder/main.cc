@@ -82,8 +82,8 @@ void add_detector_option(CLI::App& app, DetectorEngine& engine) {
       {"opencv", DetectorEngine::opencv},
       {"apriltag", DetectorEngine::apriltag}};
   app.add_option("--detector", engine,
-                 fmt::format("who finds markers: own, opencv, apriltag (tag families); default {}",
-                             name_of(kBestEngine)))
+                 "who finds markers: own, or of waymark-referees opencv, apriltag (tag families); "
+                 "default own")
       ->transform(CLI::CheckedTransformer(engines));
 }
 

@@ -49,7 +49,7 @@ std::optional<PlateInView> plate_in_view(const Renderer::Stage& stage, const Cam
                                          const Rigid3& last) {
   const PlacedMarker& marker = stage.scene->markers[index];
   const int side_cells = stage.prints[index].side_cells();
-  const double cell_m = marker.size_m / (side_cells - 2);
+  const double cell_m = marker.size_m / stage.prints[index].square_cells();
   const double half_m = 0.5 * cell_m * side_cells;
   PlateInView plate{};
   plate.plane = {static_cast<int>(index), PlaneMap::of(marker.world_from_marker, first, cell_m),

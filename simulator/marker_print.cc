@@ -62,14 +62,19 @@ int floor_to_int(float value) {
 
 MarkerPrint::MarkerPrint(const MarkerId& id, float black_albedo, float white_albedo) {
   const MarkerBits bits = marker_bits(id);
-  side_ = bits.cells + 2;
+  square_ = bits.cells;
+  side_ = bits.all_cells() + 2;
   const auto row_length = static_cast<std::size_t>(side_ + 2);
   albedo_.assign(row_length * row_length, kOutside);
   for (int y = 0; y < side_; ++y) {
     for (int x = 0; x < side_; ++x) {
       const bool margin = x == 0 || y == 0 || x == side_ - 1 || y == side_ - 1;
+      const int row = y - 1 - bits.outside;
+      const int column = x - 1 - bits.outside;
+      const bool black =
+          !margin && !bits.is_white(row, column) && bits.kind(row, column) != CellKind::nothing;
       albedo_[static_cast<std::size_t>(y + 1) * row_length + static_cast<std::size_t>(x + 1)] =
-          margin || bits.is_white(y - 1, x - 1) ? white_albedo : black_albedo;
+          black ? black_albedo : white_albedo;
     }
   }
 }

@@ -16,6 +16,8 @@ class MarkerPrint {
 
   /// Cells along the plate's side, margins included.
   [[nodiscard]] int side_cells() const { return side_; }
+  /// Cells along the side of the marker's square, whose size is the marker's.
+  [[nodiscard]] int square_cells() const { return square_; }
 
   /// Albedo of a cell by its place in the plate with one ring of cells around it, row by row,
   /// (side_cells() + 2)² of them; negative beyond the plate.
@@ -36,6 +38,7 @@ class MarkerPrint {
   [[nodiscard]] float clipped_average(const Footprint& footprint, int first_x, int last_x,
                                       int first_y, int last_y, float background) const;
 
+  int square_;
   int side_;
   std::vector<float> albedo_;  ///< with a ring of kOutside around the plate
 };

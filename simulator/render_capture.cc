@@ -18,9 +18,6 @@ Expected<RenderResult> render_capture(const Scene& scene, const SimulatedRig& ri
                                       const RenderJob& job, const std::filesystem::path& folder,
                                       const std::atomic<bool>& stop) {
   const RenderSettings& settings = job.settings;
-  if (auto known = check_found_in_images(scene.catalog, "scene " + scene.name); !known) {
-    return tl::make_unexpected(std::move(known.error()));
-  }
   auto output = CaptureOutput::begin(folder);
   if (!output) return tl::make_unexpected(output.error());
   const int positions = job.positions > 0 ? job.positions : scene.trajectory.positions;

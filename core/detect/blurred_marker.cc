@@ -10,7 +10,7 @@
 namespace waymark {
 namespace {
 
-constexpr std::size_t kMaxAcross = kMaxMarkerCells + 2;
+constexpr std::size_t kMaxAcross = kMaxSquareCells + 2;
 constexpr double kHalfPixel = 0.5;
 
 /// A function of place along an axis, with its derivatives by place, blur and growth.
@@ -107,8 +107,9 @@ void add_product(Whiteness& sum, double factor, const Term& x, const Term& y) {
 BlurredMarker::BlurredMarker(const MarkerBits& bits)
     : across_(static_cast<std::size_t>(bits.cells) + 2), white_(across_ * across_, 1.0) {
   WAYMARK_CHECK(across_ <= kMaxAcross);
-  for (int row = 0; row < bits.cells; ++row) {
-    for (int column = 0; column < bits.cells; ++column) {
+  const int around = std::min(1, bits.outside);
+  for (int row = -around; row < bits.cells + around; ++row) {
+    for (int column = -around; column < bits.cells + around; ++column) {
       white_[static_cast<std::size_t>(row + 1) * across_ + static_cast<std::size_t>(column + 1)] =
           bits.is_white(row, column) ? 1.0 : 0.0;
     }

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "core/base/check.h"
 #include "core/geometry/square_homography.h"
 
 namespace waymark {
@@ -33,43 +32,56 @@ std::optional<double> cell_grey(const GrayView& image, const Eigen::Matrix3d& pi
   return sum / kSamples.size();
 }
 
+/// All that are printed, row by row, while `use` is true.
+template <typename Use>
+bool for_each_cell(const MarkerBits& bits, const Use& use) {
+  const int end = bits.cells + bits.outside;
+  for (int row = -bits.outside; row < end; ++row) {
+    for (int column = -bits.outside; column < end; ++column) {
+      if (bits.kind(row, column) == CellKind::nothing) continue;
+      if (!use(row, column)) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<CellReading> read_cells(const GrayView& image, const ImageCorners& corners,
                                       const MarkerBits& bits) {
   const auto pixel_from_unit = homography_from_unit_square(corners);
   if (!pixel_from_unit) return std::nullopt;
-  WAYMARK_CHECK(bits.cells <= kMaxMarkerCells);
   std::array<double, kMaxMarkerCells * kMaxMarkerCells> greys;
   std::size_t read = 0;
   std::array<double, 2> sums{};
   std::array<int, 2> counts{};
-  for (int row = 0; row < bits.cells; ++row) {
-    for (int column = 0; column < bits.cells; ++column) {
-      const auto grey = cell_grey(image, *pixel_from_unit, bits.cells, row, column);
-      if (!grey) return std::nullopt;
-      const std::size_t color = bits.is_white(row, column) ? 1 : 0;
-      sums[color] += *grey;
-      ++counts[color];
-      greys[read++] = *grey;
-    }
-  }
-  if (counts[1] == 0) return std::nullopt;
+  const bool all_read = for_each_cell(bits, [&](int row, int column) {
+    const auto grey = cell_grey(image, *pixel_from_unit, bits.cells, row, column);
+    if (!grey) return false;
+    const std::size_t color = bits.is_white(row, column) ? 1 : 0;
+    sums[color] += *grey;
+    ++counts[color];
+    greys[read++] = *grey;
+    return true;
+  });
+  if (!all_read || counts[0] == 0 || counts[1] == 0) return std::nullopt;
   const double black = sums[0] / counts[0];
   const double white = sums[1] / counts[1];
 
   CellReading reading;
   reading.contrast_grey = white - black;
   std::size_t cell = 0;
-  for (int row = 0; row < bits.cells; ++row) {
-    for (int column = 0; column < bits.cells; ++column) {
-      const double grey = greys[cell++];
-      if ((grey > 0.5 * (black + white)) == bits.is_white(row, column)) continue;
-      const bool on_border =
-          row == 0 || column == 0 || row == bits.cells - 1 || column == bits.cells - 1;
-      ++(on_border ? reading.wrong_border_cells : reading.wrong_code_cells);
+  for_each_cell(bits, [&](int row, int column) {
+    const bool is_white = greys[cell++] > 0.5 * (black + white);
+    const bool wrong = is_white != bits.is_white(row, column);
+    if (bits.kind(row, column) == CellKind::code) {
+      reading.wrong_code_cells += wrong ? 1 : 0;
+    } else {
+      ++reading.other_cells;
+      reading.wrong_other_cells += wrong ? 1 : 0;
     }
-  }
+    return true;
+  });
   return reading;
 }
 

@@ -22,7 +22,7 @@ CellSteps::CellSteps(const ImageCorners& corners, std::size_t side, const Marker
 
 bool CellSteps::is_white(int row, int column) const {
   const int last = bits_->cells - 1;
-  if (column < 0 || column > last) return false;
+  if (column < -bits_->outside || column > last + bits_->outside) return false;
   switch (side_) {
     case 0:
       return bits_->is_white(row, column);
@@ -36,8 +36,8 @@ bool CellSteps::is_white(int row, int column) const {
 }
 
 double CellSteps::whiteness(int row, double column, double columns_per_px, double blur_px) const {
-  if (!(column >= 0 && column < bits_->cells)) return 0;
-  const int cell = static_cast<int>(column);
+  if (!(column >= -bits_->outside && column < bits_->cells + bits_->outside)) return 0;
+  const int cell = static_cast<int>(std::floor(column));
   const double here = is_white(row, cell) ? 1.0 : 0.0;
   const double within = column - cell;
   const bool nearer_to_next = within > 0.5;
@@ -59,6 +59,12 @@ InwardSteps CellSteps::behind(const Eigen::Vector2d& pixel, const Eigen::Vector2
     const double down = static_cast<double>(row) / cells;
     return (down * at.z() - at.y()) / (per_px.y() - down * per_px.z());
   };
+  const auto whiteness_of = [&](int row, double depth) {
+    const Eigen::Vector3d there = at + depth * per_px;
+    const double across = there.x() / there.z();
+    const double columns_per_px = std::abs(cells * (aside.x() - across * aside.z()) / there.z());
+    return whiteness(row, cells * across, columns_per_px, blur_px);
+  };
   double before = 0;
   for (std::size_t i = 0; i < InwardSteps::kRows; ++i) {
     const int row = static_cast<int>(i) + 1;
@@ -66,15 +72,18 @@ InwardSteps CellSteps::behind(const Eigen::Vector2d& pixel, const Eigen::Vector2
     steps.depth_px[i] = depth;
     steps.change[i] = 0;
     if (!(depth < reach_px)) continue;
-    const Eigen::Vector3d there = at + depth * per_px;
-    const double across = there.x() / there.z();
-    const double columns_per_px = std::abs(cells * (aside.x() - across * aside.z()) / there.z());
-    const double here = row < cells ? whiteness(row, cells * across, columns_per_px, blur_px) : 0;
+    const double here = row < cells ? whiteness_of(row, depth) : 0;
     steps.change[i] = here - before;
     before = here;
   }
   steps.border_px = steps.depth_px[0];
-  steps.paper_px = -depth_of(-1);
+  const double paper_depth = depth_of(-1);
+  steps.paper_px = -paper_depth;
+  // Of a round marker nothing is known beyond its own cells.
+  constexpr int kBeyond = -2;
+  if (bits_->outside >= -kBeyond && bits_->outside < 3 && -paper_depth < reach_px) {
+    steps.paper_end = 1 - whiteness_of(kBeyond, paper_depth);
+  }
   return steps;
 }
 

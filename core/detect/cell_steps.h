@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 
 #include "core/marker/marker_bits.h"
 #include "core/marker/marker_geometry.h"
@@ -16,10 +17,12 @@ struct InwardSteps {
   std::array<double, kRows> change;
   double border_px = 0;  ///< width of the black border there
   double paper_px = 0;   ///< width of one cell of paper outside of it
+  /// Share of the contrast that is lost beyond that cell: where the marker has cells there.
+  std::optional<double> paper_end;
 };
 
 /// The cells behind one side of a marker as the image shows them: the black border, then the first
-/// rows of the code.
+/// rows of the code; and those before it, of markers that have some there.
 class CellSteps {
  public:
   /// `corners`: the marker's (px); `side`: 0 top, 1 right, 2 bottom, 3 left. The lens's bend within

@@ -2,106 +2,196 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "core/base/check.h"
-#include "core/detect/aruco_detector.h"
-#include "core/marker/marker_bits.h"
+#include "core/marker/marker_codes.h"
 
 namespace waymark {
 namespace {
 
-std::uint64_t upright_code(const MarkerId& id, int cells) {
-  const MarkerBits bits = marker_bits(id);
-  std::uint64_t code = 0;
-  for (int row = 0; row < cells; ++row) {
-    for (int column = 0; column < cells; ++column) {
-      if (bits.is_white(row + 1, column + 1)) code |= std::uint64_t{1} << (row * cells + column);
-    }
+/// Ways to choose up to `most` of `all`.
+double choices_up_to(int most, int all) {
+  double sum = 1;
+  double choices = 1;
+  for (int i = 1; i <= most; ++i) {
+    choices *= static_cast<double>(all - i + 1) / i;
+    sum += choices;
   }
-  return code;
+  return sum;
 }
 
-/// What the code shows to whom the next corner is the first.
-std::uint64_t from_next_corner(std::uint64_t code, int cells) {
-  std::uint64_t turned = 0;
-  for (int row = 0; row < cells; ++row) {
-    for (int column = 0; column < cells; ++column) {
-      const int seen = column * cells + cells - 1 - row;
-      turned |= (code >> seen & 1U) << (row * cells + column);
-    }
+/// Chance that random cells read as some marker of the family, any way up, with up to `corrected`
+/// wrong bits.
+double random_acceptance(const FamilyTraits& family, int corrected) {
+  return 4.0 * family.id_count * choices_up_to(corrected, family.code_bits) /
+         std::exp2(family.code_bits);
+}
+
+/// For each cell of the code the one that is seen in its place when the next corner is taken for
+/// the first, which is the top left's: a marker whose top left is the corner before.
+std::vector<int> seen_from_next_corner(const MarkerLayout& layout) {
+  std::vector<int> seen;
+  for (const CellPlace& cell : layout.code()) {
+    const CellPlace there{cell.column, layout.square_cells() - 1 - cell.row};
+    const auto found = std::find(layout.code().begin(), layout.code().end(), there);
+    WAYMARK_CHECK(found != layout.code().end());
+    seen.push_back(static_cast<int>(found - layout.code().begin()));
   }
-  return turned;
+  return seen;
+}
+
+std::uint64_t turned(std::uint64_t code, const std::vector<int>& seen) {
+  std::uint64_t result = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) result |= (code >> seen[i] & 1U) << i;
+  return result;
+}
+
+/// By number · 4 + k: as seen from the k-th corner before its own top left.
+std::vector<std::uint64_t> all_turns(Family family) {
+  const std::vector<int> seen = seen_from_next_corner(marker_layout(family));
+  std::vector<std::uint64_t> codes(4 * static_cast<std::size_t>(traits(family).id_count));
+  for (std::size_t number = 0; 4 * number < codes.size(); ++number) {
+    std::uint64_t code = marker_code({family, static_cast<int>(number)});
+    for (std::size_t k = 0; k < 4; ++k, code = turned(code, seen)) codes[4 * number + k] = code;
+  }
+  return codes;
+}
+
+/// Flipped bits of each of `count` pieces, such that Σ (flipped + 1) = corrected + 1.
+int flipped_in(int piece, int count, int corrected) {
+  return (corrected + 1) / count + (piece < (corrected + 1) % count ? 1 : 0) - 1;
+}
+
+int length_of(int piece, int count, int bits) {
+  return bits * (piece + 1) / count - bits * piece / count;
+}
+
+/// Buckets and codes that are looked at in `count` pieces.
+double looks(int count, int corrected, int bits, double codes) {
+  double sum = 0;
+  for (int i = 0; i < count; ++i) {
+    const int length = length_of(i, count, bits);
+    sum += choices_up_to(flipped_in(i, count, corrected), length) * (1 + codes / std::exp2(length));
+  }
+  return sum;
+}
+
+int best_count(int corrected, int bits, std::size_t codes) {
+  int best = 1;
+  for (int count = 2; count <= corrected + 1; ++count) {
+    const auto all = static_cast<double>(codes);
+    if (looks(count, corrected, bits, all) < looks(best, corrected, bits, all)) best = count;
+  }
+  return best;
+}
+
+/// Bits in which two codes differ; the processors that this is built for need not count bits.
+int differing_bits(std::uint64_t a, std::uint64_t b) {
+  std::uint64_t x = a ^ b;
+  x -= x >> 1 & 0x5555555555555555U;
+  x = (x & 0x3333333333333333U) + (x >> 2 & 0x3333333333333333U);
+  x = (x + (x >> 4)) & 0x0F0F0F0F0F0F0F0FU;
+  return static_cast<int>(x * 0x0101010101010101U >> 56);
 }
 
 }  // namespace
 
-std::size_t CodeTable::Piece::bucket(std::uint64_t code) const {
+int correctable_bits(Family family) {
+  constexpr double kMaxRandomAcceptance = 1e-3;
+  const FamilyTraits& all = traits(family);
+  int corrected = std::max(0, (all.distance - 1) / 2);
+  while (corrected > 0 && random_acceptance(all, corrected) > kMaxRandomAcceptance) --corrected;
+  return corrected;
+}
+
+/// The nearest code so far; of equally near ones the first by number and turn.
+struct CodeTable::Nearest {
+  int wrong_bits;
+  std::uint32_t place = 0;
+  bool any = false;
+};
+
+std::uint64_t CodeTable::Piece::value_in(std::uint64_t code) const {
+  return code << (64 - first - length) >> (64 - length);
+}
+
+std::size_t CodeTable::Piece::bucket(std::uint64_t value) const {
   constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15U;  // 2⁶⁴ / the golden ratio
-  const std::uint64_t value = code << (64 - first - length) >> (64 - length);
   return static_cast<std::size_t>(value * kGolden >> (64 - std::countr_zero(ends.size())));
 }
 
-CodeTable::Codes CodeTable::codes_of(Family family) {
-  WAYMARK_CHECK(is_found_in_images(family));
-  Codes codes{family, traits(family).code_cells, correctable_bits(family), {}, {}};
-  for (int number = 0; number < traits(family).id_count; ++number) {
-    std::uint64_t code = upright_code({family, number}, codes.code_cells);
-    // A marker whose top left is the quad's corner `turn` shows itself from the corners before.
-    for (int turn = 4; turn > 0; --turn) {
-      codes.turned.push_back({code, number, turn % 4});
-      code = from_next_corner(code, codes.code_cells);
-    }
+void CodeTable::Piece::fill(std::span<const std::uint64_t> turned) {
+  const auto bucket_of = [&](std::uint64_t code) { return bucket(value_in(code)); };
+  ends.assign(std::max<std::size_t>(2, std::bit_ceil(turned.size())), 0);
+  for (const std::uint64_t code : turned) ++ends[bucket_of(code)];
+  std::uint32_t end = 0;
+  for (std::uint32_t& bucket_end : ends) bucket_end = end += bucket_end;
+  std::vector<std::uint32_t> next = ends;
+  codes.resize(turned.size());
+  places.resize(turned.size());
+  for (std::size_t place = turned.size(); place-- > 0;) {
+    const std::uint32_t slot = --next[bucket_of(turned[place])];
+    codes[slot] = turned[place];
+    places[slot] = static_cast<std::uint32_t>(place);
   }
-  sort_into_pieces(codes);
-  return codes;
 }
 
-void CodeTable::sort_into_pieces(Codes& codes) {
-  const int bits = codes.code_cells * codes.code_cells;
-  const int count = codes.corrected + 1;
+CodeTable::Codes CodeTable::codes_of(Family family) {
+  Codes codes{family, &marker_layout(family), correctable_bits(family), {}};
+  const std::vector<std::uint64_t> turned = all_turns(family);
+  const int bits = traits(family).code_bits;
+  const int count = best_count(codes.corrected, bits, turned.size());
   for (int i = 0; i < count; ++i) {
     Piece piece;
     piece.first = bits * i / count;
-    piece.length = bits * (i + 1) / count - piece.first;
-    piece.ends.assign(std::bit_ceil(codes.turned.size()), 0);
-    for (const Turned& one : codes.turned) ++piece.ends[piece.bucket(one.code)];
-    std::uint32_t end = 0;
-    for (std::uint32_t& bucket_end : piece.ends) bucket_end = end += bucket_end;
-    piece.sorted.resize(codes.turned.size());
-    std::vector<std::uint32_t> next = piece.ends;
-    for (std::size_t k = codes.turned.size(); k-- > 0;) {
-      piece.sorted[--next[piece.bucket(codes.turned[k].code)]] = static_cast<std::uint32_t>(k);
-    }
+    piece.length = length_of(i, count, bits);
+    piece.flipped = flipped_in(i, count, codes.corrected);
+    piece.fill(turned);
     codes.pieces.push_back(std::move(piece));
   }
+  return codes;
 }
 
 CodeTable::CodeTable(std::span<const Family> families) {
   for (const Family family : families) {
     families_.push_back(codes_of(family));
-    sizes_.push_back(families_.back().code_cells);
+    const MarkerLayout* const layout = families_.back().layout;
+    const bool known = std::any_of(layouts_.begin(), layouts_.end(),
+                                   [&](const MarkerLayout* one) { return *one == *layout; });
+    if (!known) layouts_.push_back(layout);
   }
-  std::sort(sizes_.begin(), sizes_.end());
-  sizes_.erase(std::unique(sizes_.begin(), sizes_.end()), sizes_.end());
 }
 
-void CodeTable::find(int code_cells, std::uint64_t code, std::vector<CodeMatch>& matches) const {
+/// Looks at the codes whose piece has the value, and with up to `flips` of its bits from `from` on
+/// flipped.
+void CodeTable::look(const Piece& piece, std::uint64_t code, std::uint64_t value, int from,
+                     int flips, Nearest& nearest) {
+  const std::size_t bucket = piece.bucket(value);
+  for (std::uint32_t i = bucket > 0 ? piece.ends[bucket - 1] : 0; i < piece.ends[bucket]; ++i) {
+    const int wrong = differing_bits(piece.codes[i], code);
+    if (wrong > nearest.wrong_bits) continue;
+    if (nearest.any && wrong == nearest.wrong_bits && piece.places[i] >= nearest.place) continue;
+    nearest = {wrong, piece.places[i], true};
+  }
+  if (flips == 0) return;
+  for (int bit = from; bit < piece.length; ++bit) {
+    look(piece, code, value ^ std::uint64_t{1} << bit, bit + 1, flips - 1, nearest);
+  }
+}
+
+void CodeTable::find(const MarkerLayout& layout, std::uint64_t code,
+                     std::vector<CodeMatch>& matches) const {
   for (const Codes& family : families_) {
-    if (family.code_cells != code_cells) continue;
-    const Turned* nearest = nullptr;
-    int fewest = family.corrected + 1;
+    if (family.layout != &layout && *family.layout != layout) continue;
+    Nearest nearest{family.corrected};
     for (const Piece& piece : family.pieces) {
-      const std::size_t bucket = piece.bucket(code);
-      for (std::uint32_t i = bucket > 0 ? piece.ends[bucket - 1] : 0; i < piece.ends[bucket]; ++i) {
-        const Turned& candidate = family.turned[piece.sorted[i]];
-        const int wrong = std::popcount(candidate.code ^ code);
-        if (wrong >= fewest) continue;
-        fewest = wrong;
-        nearest = &candidate;
-      }
+      look(piece, code, piece.value_in(code), 0, piece.flipped, nearest);
     }
-    if (nearest == nullptr) continue;
-    matches.push_back({{family.family, nearest->number}, fewest, nearest->turn});
+    if (!nearest.any) continue;
+    const auto number = static_cast<int>(nearest.place / 4);
+    const auto turn = static_cast<int>((4 - nearest.place % 4) % 4);
+    matches.push_back({{family.family, number}, nearest.wrong_bits, turn});
   }
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/marker/marker_id.h"
+#include "core/marker/marker_layout.h"
 
 namespace waymark {
 
@@ -15,49 +16,55 @@ struct CodeMatch {
   int turn = 0;  ///< the quad's corner (0 … 3) that is the marker's top left
 };
 
-/// The codes of some families, found by what a quad shows any way up, wrong bits included. All
-/// four turns of every code are kept, sorted into buckets by pieces of the code: with c bits to be
-/// corrected every code that is near enough agrees in one of c + 1 pieces. So looking one up takes
-/// as long as a few codes' comparison, however many there are.
+/// Code cells that a detector may correct in a family: as many as its codes' distance allows
+/// without mistaking one for another, while cells at random read as some marker with a chance of at
+/// most 1e-3: 36h11 corrects 3 of 5, 4x4_1000 none.
+[[nodiscard]] int correctable_bits(Family family);
+
+/// The codes of some families, found by what a quad shows any way up, wrong bits included. All four
+/// turns of every code are kept, sorted into buckets by pieces of the code. With c bits to be
+/// corrected, and pieces that are searched with r₁, r₂ … flipped bits each, every code that is near
+/// enough is met where Σ (rᵢ + 1) > c (Norouzi, Punjani and Fleet, "Fast search in Hamming space
+/// with multi-index hashing", CVPR 2012). Looking one up takes some hundred comparisons at most,
+/// whether a family has 30 codes or 65,535.
 class CodeTable {
  public:
-  /// Families that are found in images (checked).
   explicit CodeTable(std::span<const Family> families);
 
-  /// Code cells along a side that occur, rising.
-  [[nodiscard]] std::span<const int> sizes() const { return sizes_; }
+  /// Where cells are, in all families of the table; each once.
+  [[nodiscard]] std::span<const MarkerLayout* const> layouts() const { return layouts_; }
 
-  /// Appends the nearest marker of each family with codes of `code_cells`² cells, where one is as
-  /// near as its family corrects (correctable_bits). Bit (row · code_cells + column) of `code` is
-  /// set for a white cell; rows run down from the quad's first corner, columns to its second.
-  void find(int code_cells, std::uint64_t code, std::vector<CodeMatch>& matches) const;
+  /// Appends the nearest marker of each family of the layout (one of layouts()), where one is as
+  /// near as its family corrects. Bit i of `code` is set where cell i of the layout is white, its
+  /// rows running down from the quad's first corner, its columns to the second.
+  void find(const MarkerLayout& layout, std::uint64_t code, std::vector<CodeMatch>& matches) const;
 
  private:
-  struct Turned {
-    std::uint64_t code = 0;
-    std::int32_t number = 0;
-    std::int32_t turn = 0;
-  };
   /// Codes by the value of `length` bits from `first` on.
   struct Piece {
     int first = 0;
     int length = 0;
+    int flipped = 0;                    ///< bits that may be wrong in it
     std::vector<std::uint32_t> ends;    ///< by bucket: the end of its codes
-    std::vector<std::uint32_t> sorted;  ///< indices of codes
-    [[nodiscard]] std::size_t bucket(std::uint64_t code) const;
+    std::vector<std::uint64_t> codes;   ///< bucket by bucket
+    std::vector<std::uint32_t> places;  ///< of these: number · 4 + corners from the top left on
+    [[nodiscard]] std::uint64_t value_in(std::uint64_t code) const;
+    [[nodiscard]] std::size_t bucket(std::uint64_t value) const;
+    void fill(std::span<const std::uint64_t> turned);
   };
   struct Codes {
     Family family;
-    int code_cells = 0;
+    const MarkerLayout* layout;
     int corrected = 0;
-    std::vector<Turned> turned;
     std::vector<Piece> pieces;
   };
+  struct Nearest;
   [[nodiscard]] static Codes codes_of(Family family);
-  static void sort_into_pieces(Codes& codes);
+  static void look(const Piece& piece, std::uint64_t code, std::uint64_t value, int from, int flips,
+                   Nearest& nearest);
 
   std::vector<Codes> families_;
-  std::vector<int> sizes_;
+  std::vector<const MarkerLayout*> layouts_;
 };
 
 }  // namespace waymark

@@ -4,6 +4,8 @@
 #include <bit>
 #include <cstring>
 
+#include "core/base/check.h"
+
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
@@ -48,18 +50,18 @@ std::uint64_t packed(const std::uint8_t* bytes) {
 
 }  // namespace
 
-void DarkPixels::resize(int width_px, int height_px) {
-  const bool same = width_px == width_px_ && height_px == height_px_;
-  if (same) return;
+void DarkPixels::resize(int width_px, int height_px, int row_px) {
+  const int row_words = 1 + (row_px + kWordBits - 1) / kWordBits;
+  if (width_px == width_px_ && height_px == height_px_ && row_words == row_words_) return;
   width_px_ = width_px;
   height_px_ = height_px;
-  const int words = (width_px + kWordBits - 1) / kWordBits;
-  row_words_ = 1 + words;
+  words_ = (width_px + kWordBits - 1) / kWordBits;
+  row_words_ = row_words;
   const std::size_t all =
       static_cast<std::size_t>(row_words_) * (static_cast<std::size_t>(height_px) + 2) + 1;
   bits_.assign(all, 0);
   starts_.assign(all, 0);
-  const std::size_t row_bytes = static_cast<std::size_t>(words) * kWordBits;
+  const std::size_t row_bytes = static_cast<std::size_t>(words_) * kWordBits;
   threshold_.assign(row_bytes, 0);
   dark_.assign(row_bytes, 0);
 }
@@ -72,14 +74,14 @@ void DarkPixels::find_starts(int y, const TileThresholds& thresholds) {
   const std::uint64_t* here = bits_.data() + first;
   const std::uint64_t* above = here - row_words_;
   std::uint64_t* starts = starts_.data() + first;
-  for (int i = 0; i < row_words_ - 1; ++i) {
+  for (int i = 0; i < words_; ++i) {
     const std::uint64_t left = here[i] << 1 | here[i - 1] >> 63;
     const std::uint64_t right = here[i] >> 1 | here[i + 1] << 63;
     const std::uint64_t above_right = above[i] >> 1 | above[i + 1] << 63;
     starts[i] = here[i] & ~(left | above[i] | (right & above_right));
   }
   if (y == 0 || y % TileThresholds::kTilePx != 0) return;
-  for (int i = 0; i < row_words_ - 1; ++i) {
+  for (int i = 0; i < words_; ++i) {
     for (std::uint64_t rest = starts[i]; rest != 0; rest &= rest - 1) {
       const int x = i * kWordBits + std::countr_zero(rest);
       if (thresholds.at_pixel(x, y - 1) == TileThresholds::kNone &&
@@ -90,8 +92,9 @@ void DarkPixels::find_starts(int y, const TileThresholds& thresholds) {
   }
 }
 
-void DarkPixels::find(const GrayView& image, const TileThresholds& thresholds) {
-  resize(image.width_px, image.height_px);
+void DarkPixels::find(const GrayView& image, const TileThresholds& thresholds, int row_px) {
+  WAYMARK_CHECK(row_px >= image.width_px);
+  resize(image.width_px, image.height_px, row_px);
   for (int y = 0; y < height_px_; ++y) {
     if (y % TileThresholds::kTilePx == 0) {
       spread_over_pixels(thresholds.row(y / TileThresholds::kTilePx), thresholds.columns(),
@@ -99,7 +102,7 @@ void DarkPixels::find(const GrayView& image, const TileThresholds& thresholds) {
     }
     compare(image.row(y), threshold_.data(), width_px_, dark_.data());
     std::uint64_t* row = bits_.data() + bit_of(0, y) / kWordBits;
-    for (int i = 0; i < row_words_ - 1; ++i) {
+    for (int i = 0; i < words_; ++i) {
       row[i] = packed(dark_.data() + static_cast<std::ptrdiff_t>(kWordBits) * i);
     }
     find_starts(y, thresholds);

@@ -16,8 +16,9 @@ class DarkPixels {
   static constexpr int kWordBits = 64;
 
   /// Pixels below their tile's threshold are dark; outside the image nothing is. The thresholds are
-  /// the image's.
-  void find(const GrayView& image, const TileThresholds& thresholds);
+  /// the image's. Rows have room for `row_px` pixels (not less than the image's; checked): windows
+  /// of one image have rows of one length.
+  void find(const GrayView& image, const TileThresholds& thresholds, int row_px);
 
   [[nodiscard]] int width_px() const { return width_px_; }
   [[nodiscard]] int height_px() const { return height_px_; }
@@ -39,11 +40,12 @@ class DarkPixels {
   [[nodiscard]] const std::vector<std::uint64_t>& starts() const { return starts_; }
 
  private:
-  void resize(int width_px, int height_px);
+  void resize(int width_px, int height_px, int row_px);
   void find_starts(int y, const TileThresholds& thresholds);
 
   int width_px_ = 0;
   int height_px_ = 0;
+  int words_ = 0;  ///< of a row, that hold pixels
   int row_words_ = 0;
   std::vector<std::uint64_t> bits_;
   std::vector<std::uint64_t> starts_;

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/base/check.h"
-#include "core/detect/aruco_detector.h"
 #include "core/detect/cell_reader.h"
-#include "core/marker/image_families.h"
+#include "core/detect/code_table.h"
+#include "core/detect/quad_search.h"
 #include "core/marker/marker_outline.h"
 
 namespace waymark {
@@ -16,6 +16,19 @@ namespace {
 bool same_square(const Detection& a, const Detection& b) {
   const Eigen::Vector2d between = centre_of(a.corners) - centre_of(b.corners);
   return between.norm() < 0.2 * mean_side_px(a.corners);
+}
+
+std::vector<Family> families_of(const MarkerCatalog& catalog) {
+  std::vector<Family> families;
+  for (const auto& entry : catalog.entries()) families.push_back(entry.family);
+  return families;
+}
+
+DetectorOptions options_for(const MarkerCatalog& catalog, DetectorOptions options) {
+  for (const auto& entry : catalog.entries()) {
+    if (entry.inverted) options.inverted.push_back(entry.family);
+  }
+  return options;
 }
 
 }  // namespace
@@ -35,20 +48,28 @@ DetectionCounts& DetectionCounts::operator+=(const DetectionCounts& other) {
 }
 
 ImageDetector::ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options)
-    : catalog_(catalog),
-      options_(options),
-      detector_(make_detector(families_in_images(catalog), options.detector)),
-      bits_(families_in_images(catalog)) {
-  WAYMARK_CHECK(options.check().has_value());
-  for (const Family family : families_in_images(catalog)) {
-    correctable_bits_[family] = correctable_bits(family);
+    : ImageDetector(catalog,
+                    make_detector(families_of(catalog), options_for(catalog, options.detector)),
+                    options.refine) {}
+
+ImageDetector::ImageDetector(const MarkerCatalog& catalog, std::unique_ptr<MarkerDetector> detector,
+                             const RefineOptions& refine)
+    : catalog_(catalog), refine_(refine), detector_(std::move(detector)) {
+  WAYMARK_CHECK(refine.check().has_value());
+  for (const Family family : families_of(catalog)) {
+    any_light_ = any_light_ || catalog.shows_light_squares(family);
   }
 }
 
+/// The image, or its negative, whichever shows the marker's square dark.
+const GrayView& ImageDetector::shown_dark(const MarkerId& id) const {
+  return catalog_.shows_light_squares(id.family) ? negative_view_ : image_;
+}
+
 /// Exact corners of everything found that the catalog knows; what has none is counted.
-void ImageDetector::refine_known(const GrayView& image, const CameraModel& camera) {
+void ImageDetector::refine_known(const CameraModel& camera, std::span<const ImageWindow> windows) {
   refined_.clear();
-  const std::vector<Detection>& all = detector_->detect(image);
+  const std::vector<Detection>& all = detector_->detect(image_, windows);
   found_.failure = detector_->failure();
   for (const Detection& rough : all) {
     ++found_.counts.found;
@@ -56,10 +77,12 @@ void ImageDetector::refine_known(const GrayView& image, const CameraModel& camer
       ++found_.counts.unknown;
       continue;
     }
+    MarkerBits bits = marker_bits(rough.marker);
+    if (bits.is_light()) bits = negative_of(bits);
     const auto corners =
-        refine_corners(image, camera, rough.corners, bits_.of(rough.marker), options_.refine);
+        refine_corners(shown_dark(rough.marker), camera, rough.corners, bits, refine_);
     if (corners) {
-      refined_.push_back({rough, *corners});
+      refined_.push_back({rough, bits, *corners});
     } else {
       ++found_.counts.unrefined;
     }
@@ -67,29 +90,27 @@ void ImageDetector::refine_known(const GrayView& image, const CameraModel& camer
 }
 
 /// Saturated paper hides how blurred its edges are; the image's other markers show it.
-void ImageDetector::refine_saturated_again(const GrayView& image, const CameraModel& camera) {
+void ImageDetector::refine_saturated_again(const CameraModel& camera) {
   blur_.clear();
   for (const Refined& one : refined_) blur_.add(one.corners);
-  RefineOptions options = options_.refine;
+  RefineOptions options = refine_;
   options.blur = blur_.prior();
   if (!options.blur) return;
   for (Refined& one : refined_) {
     if (one.corners.saturated_share < kSaturatedPaper) continue;
     const auto corners =
-        refine_corners(image, camera, one.rough.corners, bits_.of(one.rough.marker), options);
+        refine_corners(shown_dark(one.rough.marker), camera, one.rough.corners, one.bits, options);
     if (corners) one.corners = *corners;
   }
 }
 
 /// What shows its marker's cells, read with the exact corners; the rest is counted.
-void ImageDetector::keep_readable(const GrayView& image) {
+void ImageDetector::keep_readable() {
   found_.detections.clear();
   for (const Refined& one : refined_) {
-    const MarkerBits& bits = bits_.of(one.rough.marker);
-    const auto reading = read_cells(image, one.corners.corners, bits);
-    const int border_cells = 4 * (bits.cells - 1);
-    if (!reading || reading->wrong_code_cells > correctable_bits_.at(one.rough.marker.family) ||
-        reading->wrong_border_cells > border_cells / 8) {
+    const auto reading = read_cells(shown_dark(one.rough.marker), one.corners.corners, one.bits);
+    if (!reading || reading->wrong_code_cells > correctable_bits(one.rough.marker.family) ||
+        reading->wrong_other_cells > reading->other_cells / 8) {
       ++found_.counts.misread;
       continue;
     }
@@ -115,13 +136,16 @@ void ImageDetector::drop_ambiguous() {
   std::swap(found_.detections, clear_);
 }
 
-const FoundMarkers& ImageDetector::detect(const GrayView& image, const CameraModel& camera) {
+const FoundMarkers& ImageDetector::detect(const GrayView& image, const CameraModel& camera,
+                                          std::span<const ImageWindow> windows) {
   WAYMARK_CHECK(image.width_px == camera.parameters().width_px &&
                 image.height_px == camera.parameters().height_px);
   found_.counts = {};
-  refine_known(image, camera);
-  refine_saturated_again(image, camera);
-  keep_readable(image);
+  image_ = image;
+  if (any_light_ && QuadSearch::why_not(image) == nullptr) negative_view_ = negative_.of(image);
+  refine_known(camera, windows);
+  refine_saturated_again(camera);
+  keep_readable();
   drop_ambiguous();
   found_.counts.kept = static_cast<int>(found_.detections.size());
   return found_;

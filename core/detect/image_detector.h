@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,13 +7,15 @@
 #include "core/detect/common_blur.h"
 #include "core/detect/corner_refiner.h"
 #include "core/detect/marker_detector.h"
+#include "core/detect/negative_image.h"
+#include "core/marker/marker_bits.h"
 #include "core/marker/marker_catalog.h"
 
 namespace waymark {
 
 /// How markers are found in one image.
 struct ImageDetectorOptions {
-  DetectorOptions detector;
+  DetectorOptions detector;  ///< what is printed inverted, the catalog says
   RefineOptions refine;
 
   /// usage, naming the first field that lies outside its range.
@@ -45,31 +46,40 @@ struct FoundMarkers {
 /// What can't be refined or read is dropped and counted. Deterministic; one per thread.
 class ImageDetector {
  public:
-  /// The catalog has an entry of a family that is found in images; the options are valid (checked).
+  /// The catalog has an entry; the options are valid (checked).
   explicit ImageDetector(const MarkerCatalog& catalog, const ImageDetectorOptions& options = {});
+  /// The same with somebody else's detector of the catalog's families.
+  ImageDetector(const MarkerCatalog& catalog, std::unique_ptr<MarkerDetector> detector,
+                const RefineOptions& refine = {});
 
-  /// `camera` took the image and has its size (checked). The result is the detector's own, valid
-  /// until the next call; after some images nothing is allocated here, only by the library.
-  [[nodiscard]] const FoundMarkers& detect(const GrayView& image, const CameraModel& camera);
+  /// `camera` took the image and has its size (checked). Where windows are given, markers are
+  /// looked for in these alone. The result is the detector's own, valid until the next call; after
+  /// some images nothing is allocated.
+  [[nodiscard]] const FoundMarkers& detect(const GrayView& image, const CameraModel& camera,
+                                           std::span<const ImageWindow> windows = {});
 
  private:
   /// A marker of the catalog and its exact corners.
   struct Refined {
     Detection rough;
+    MarkerBits bits;  ///< as `shown_dark` shows them
     RefinedCorners corners;
   };
-  void refine_known(const GrayView& image, const CameraModel& camera);
-  void refine_saturated_again(const GrayView& image, const CameraModel& camera);
-  void keep_readable(const GrayView& image);
+  [[nodiscard]] const GrayView& shown_dark(const MarkerId& id) const;
+  void refine_known(const CameraModel& camera, std::span<const ImageWindow> windows);
+  void refine_saturated_again(const CameraModel& camera);
+  void keep_readable();
   void drop_ambiguous();
 
   MarkerCatalog catalog_;
-  ImageDetectorOptions options_;
+  RefineOptions refine_;
   std::unique_ptr<MarkerDetector> detector_;
-  MarkerBitsTable bits_;
-  std::map<Family, int> correctable_bits_;
+  bool any_light_ = false;  ///< whether some family's squares are seen light in dark
+  GrayView image_;
+  GrayView negative_view_;
   FoundMarkers found_;
-  std::vector<Refined> refined_;  ///< this and the next two kept for their memory
+  std::vector<Refined> refined_;  ///< this and the next three kept for their memory
+  NegativeImage negative_;
   CommonBlur blur_;
   std::vector<Detection> clear_;
 };

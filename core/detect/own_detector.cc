@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/detect/quad_code.h"
-#include "core/detect/quad_fitter.h"
 #include "core/marker/marker_outline.h"
 
 namespace waymark {
@@ -16,20 +15,22 @@ bool same_reading(const Detection& a, const Detection& b) {
   return between.norm() < 0.2 * mean_side_px(a.corners);
 }
 
-/// nullptr for an image that can be searched.
-const char* why_not_searched(const GrayView& image) {
-  if (image.data == nullptr) return "it has no pixels";
-  if (image.stride_bytes < static_cast<std::size_t>(image.width_px)) return "its rows overlap";
-  if (std::max(image.width_px, image.height_px) >= BorderFollower::kSizeLimitPx) {
-    return "it is wider or higher than 32767 pixels";
+/// The families whose squares are printed light, or dark.
+std::vector<Family> printed(const std::vector<Family>& families, const DetectorOptions& options,
+                            bool light) {
+  std::vector<Family> chosen;
+  for (const Family family : families) {
+    if (options.shows_light_squares(family) == light) chosen.push_back(family);
   }
-  return nullptr;
+  return chosen;
 }
 
 }  // namespace
 
 OwnDetector::OwnDetector(const std::vector<Family>& families, const DetectorOptions& options)
-    : codes_(families), min_side_px_(options.min_side_px) {}
+    : dark_codes_(printed(families, options, false)),
+      light_codes_(printed(families, options, true)),
+      min_side_px_(options.min_side_px) {}
 
 /// Of several of one marker in one place the outermost stays.
 void OwnDetector::add_reading(const Detection& reading) {
@@ -41,13 +42,14 @@ void OwnDetector::add_reading(const Detection& reading) {
   detections_.push_back(reading);
 }
 
-void OwnDetector::read_quad(const GrayView& image, const ImageCorners& quad) {
-  const double least_contrast = 0.5 * thresholds_.gate_grey();
-  for (const int code_cells : codes_.sizes()) {
-    const auto seen = read_quad_code(image, quad, code_cells, least_contrast);
+void OwnDetector::read_quad(const GrayView& image, const ImageCorners& quad,
+                            const CodeTable& codes) {
+  const double least_contrast = 0.5 * quads_.gate_grey();
+  for (const MarkerLayout* const layout : codes.layouts()) {
+    const auto seen = read_quad_code(image, quad, *layout, least_contrast);
     if (!seen) continue;
     matches_.clear();
-    codes_.find(code_cells, seen->code, matches_);
+    codes.find(*layout, seen->code, matches_);
     for (const CodeMatch& match : matches_) {
       Detection reading;
       reading.marker = match.marker;
@@ -60,27 +62,23 @@ void OwnDetector::read_quad(const GrayView& image, const ImageCorners& quad) {
   }
 }
 
-const std::vector<Detection>& OwnDetector::find(const GrayView& image) {
+void OwnDetector::search(const GrayView& image, std::span<const ImageWindow> windows,
+                         const CodeTable& codes) {
+  const auto& quads = windows.empty() ? quads_.find(image, min_side_px_)
+                                      : quads_.find(image, min_side_px_, windows);
+  for (const ImageCorners& quad : quads) read_quad(image, quad, codes);
+}
+
+const std::vector<Detection>& OwnDetector::find(const GrayView& image,
+                                                std::span<const ImageWindow> windows) {
   detections_.clear();
   if (std::min(image.width_px, image.height_px) < min_side_px_) return detections_;
-  if (const char* why = why_not_searched(image)) {
+  if (const char* why = QuadSearch::why_not(image)) {
     set_failure(why);
     return detections_;
   }
-  // Noise of 3 grey levels or so; smoothing would only cost small markers their margins.
-  constexpr int kNoisyGate = 32;
-  GrayView searched = image;
-  thresholds_.measure(searched);
-  if (thresholds_.gate_grey() > kNoisyGate) {
-    searched = smoothing_.smoothed(image);
-    thresholds_.measure(searched);
-  }
-  dark_.find(searched, thresholds_);
-  borders_.begin(dark_);
-  for (auto border = borders_.next(); !border.empty(); border = borders_.next()) {
-    const auto quad = fit_quad(searched, thresholds_, border, min_side_px_);
-    if (quad) read_quad(image, *quad);
-  }
+  if (!dark_codes_.layouts().empty()) search(image, windows, dark_codes_);
+  if (!light_codes_.layouts().empty()) search(negative_.of(image), windows, light_codes_);
   return detections_;
 }
 

@@ -2,34 +2,32 @@
 
 #include <vector>
 
-#include "core/detect/binomial_smoothing.h"
-#include "core/detect/border_follower.h"
 #include "core/detect/code_table.h"
-#include "core/detect/dark_pixels.h"
 #include "core/detect/marker_detector.h"
-#include "core/detect/tile_thresholds.h"
+#include "core/detect/negative_image.h"
+#include "core/detect/quad_search.h"
 
 namespace waymark {
 
-/// Our own: borders of what is darker than its surroundings (TileThresholds, DarkPixels,
-/// BorderFollower), quadrangles among them (fit_quad), the cells in each (read_quad_code), all
-/// families in one pass (CodeTable). One thread; after some images of a size it allocates nothing.
+/// Our own: dark quadrangles (QuadSearch), the cells in each (read_quad_code), all families in one
+/// pass (CodeTable); families with light squares in a negative, in another. One thread; after some
+/// images of a size it allocates nothing.
 class OwnDetector final : public MarkerDetector {
  public:
   OwnDetector(const std::vector<Family>& families, const DetectorOptions& options);
 
-  [[nodiscard]] const std::vector<Detection>& find(const GrayView& image) override;
-
  private:
-  void read_quad(const GrayView& image, const ImageCorners& quad);
+  [[nodiscard]] const std::vector<Detection>& find(const GrayView& image,
+                                                   std::span<const ImageWindow> windows) override;
+  void search(const GrayView& image, std::span<const ImageWindow> windows, const CodeTable& codes);
+  void read_quad(const GrayView& image, const ImageCorners& quad, const CodeTable& codes);
   void add_reading(const Detection& reading);
 
-  CodeTable codes_;
+  CodeTable dark_codes_;   ///< of families whose squares are dark
+  CodeTable light_codes_;  ///< whose squares are light
   double min_side_px_;
-  BinomialSmoothing smoothing_;
-  TileThresholds thresholds_;
-  DarkPixels dark_;
-  BorderFollower borders_;
+  QuadSearch quads_;
+  NegativeImage negative_;
   std::vector<CodeMatch> matches_;
   std::vector<Detection> detections_;
 };

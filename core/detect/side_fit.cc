@@ -82,9 +82,10 @@ Whiteness whiteness_at(double outside_px, const InwardSteps& steps, double paper
   const double z_paper = (outside_px - steps.paper_px) * blurs_per_px;
   if (z_paper > -kStepBlurs) {
     const GaussianStep paper = gaussian_step(z_paper);
-    w.value -= paper_end * paper.value;
-    w.d_log_blur += paper_end * paper.slope * z_paper;
-    w.d_paper_end = -paper.value;
+    const double lost = steps.paper_end.value_or(paper_end);
+    w.value -= lost * paper.value;
+    w.d_log_blur += lost * paper.slope * z_paper;
+    w.d_paper_end = steps.paper_end ? 0 : -paper.value;
   }
   for (std::size_t i = 0; i < InwardSteps::kRows; ++i) {
     if (steps.change[i] == 0) continue;

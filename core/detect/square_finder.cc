@@ -1,23 +1,14 @@
 #include "core/detect/square_finder.h"
 
 #include <algorithm>
-#include <opencv2/aruco.hpp>
-#include <opencv2/imgproc.hpp>
 
+#include "core/detect/closed_areas.h"
+#include "core/detect/quad_search.h"
+#include "core/detect/smallest_rectangle.h"
 #include "core/marker/marker_outline.h"
 
 namespace waymark {
 namespace {
-
-ImageCorners clockwise(const std::vector<cv::Point2f>& quad) {
-  ImageCorners corners;
-  for (std::size_t i = 0; i < 4; ++i) corners[i] = {quad[i].x, quad[i].y};
-  const Eigen::Vector2d across = corners[2] - corners[0];
-  const Eigen::Vector2d down = corners[3] - corners[1];
-  // The image's y runs down: clockwise corners have a positive area.
-  if (across.x() * down.y() - across.y() * down.x() < 0) std::swap(corners[1], corners[3]);
-  return corners;
-}
 
 /// Adds a square; of several in one place, the outline's two sides, the larger stays.
 void add(const ImageCorners& square, std::vector<ImageCorners>& squares) {
@@ -31,77 +22,71 @@ void add(const ImageCorners& square, std::vector<ImageCorners>& squares) {
   squares.push_back(square);
 }
 
-/// OpenCV reads the pixels only; its Mat has no constant form.
-cv::Mat pixels_of(const GrayView& image) {
-  return {image.height_px, image.width_px, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-          image.stride_bytes};
-}
-
-std::vector<ImageCorners> squares_in(const GrayView& image, double min_side_px) {
-  std::vector<ImageCorners> squares;
-  if (std::min(image.width_px, image.height_px) < min_side_px) return squares;
-  const auto parameters = cv::aruco::DetectorParameters::create();
-  parameters->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
-  parameters->minMarkerPerimeterRate = 4 * min_side_px / std::max(image.width_px, image.height_px);
-  parameters->minMarkerDistanceRate = 0.02;
-  // Any dictionary will do: what it can't read is given back as well.
-  static const auto dictionary = cv::aruco::getPredefinedDictionary(cv::aruco::DICT_APRILTAG_16h5);
-  std::vector<std::vector<cv::Point2f>> read;
-  std::vector<std::vector<cv::Point2f>> unread;
-  std::vector<int> numbers;
-  cv::aruco::detectMarkers(pixels_of(image), dictionary, read, numbers, parameters, unread);
-  for (const auto* quads : {&read, &unread}) {
-    for (const auto& quad : *quads) add(clockwise(quad), squares);
-  }
-  return squares;
-}
-
-std::vector<ImageCorners> code_areas_in(const GrayView& image, double min_side_px) {
-  std::vector<ImageCorners> areas;
-  cv::Mat bright;
-  cv::threshold(pixels_of(image), bright, 0, 255, cv::THRESH_BINARY | cv::THRESH_OTSU);
-  // Cells are of unknown size, and so are the gaps between white ones.
-  for (const int radius_px : {3, 6, 12}) {
-    cv::Mat closed;
-    const cv::Size kernel(2 * radius_px + 1, 2 * radius_px + 1);
-    cv::morphologyEx(bright, closed, cv::MORPH_CLOSE,
-                     cv::getStructuringElement(cv::MORPH_RECT, kernel));
-    std::vector<std::vector<cv::Point>> contours;
-    cv::findContours(closed, contours, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_NONE);
-    for (const auto& contour : contours) {
-      cv::RotatedRect area = cv::minAreaRect(contour);
-      // From the outermost pixels' middles to their edges.
-      area.size.width += 1;
-      area.size.height += 1;
-      const auto [shorter, longer] = std::minmax(area.size.width, area.size.height);
-      constexpr double kLongest = 1.6;  // a square seen aslant
-      if (shorter < min_side_px || longer > kLongest * shorter) continue;
-      std::vector<cv::Point2f> corners(4);
-      area.points(corners.data());
-      areas.push_back(clockwise(corners));
+/// Black where the image is bright, or between what is.
+GrayImage bright_areas(const GrayView& image, int radius_px) {
+  GrayImage bright(image.width_px, image.height_px);
+  const int threshold = dividing_grey(image);
+  for (int y = 0; y < image.height_px; ++y) {
+    for (int x = 0; x < image.width_px; ++x) {
+      bright.row(y)[x] = image.row(y)[x] > threshold ? 255 : 0;
     }
   }
+  GrayImage areas = closed(bright, radius_px);
+  for (std::uint8_t& grey : areas.pixels) grey = static_cast<std::uint8_t>(~grey);
   return areas;
 }
 
-/// OpenCV's exceptions stop here: in what it can't search there is nothing.
-template <typename Find>
-std::vector<ImageCorners> nothing_on_failure(const Find& find) {
-  try {
-    return find();
-  } catch (const cv::Exception&) {
-    return {};
+/// Whether a border goes round an area and not round a hole in one.
+bool goes_round_an_area(std::span<const Pixel> border) {
+  long twice = 0;
+  for (std::size_t i = 0; i < border.size(); ++i) {
+    const Pixel& a = border[i];
+    const Pixel& b = border[(i + 1) % border.size()];
+    twice += long{a.x} * b.y - long{b.x} * a.y;
   }
+  return twice > 0;
+}
+
+/// A square seen aslant, of some size.
+bool may_be_code(const ImageCorners& area, double min_side_px) {
+  constexpr double kLongest = 1.6;
+  const double width = (area[1] - area[0]).norm();
+  const double height = (area[3] - area[0]).norm();
+  const auto [shorter, longer] = std::minmax(width, height);
+  return shorter >= min_side_px && longer <= kLongest * shorter;
 }
 
 }  // namespace
 
 std::vector<ImageCorners> find_squares(const GrayView& image, double min_side_px) {
-  return nothing_on_failure([&] { return squares_in(image, min_side_px); });
+  std::vector<ImageCorners> squares;
+  if (QuadSearch::why_not(image) != nullptr) return squares;
+  QuadSearch search;
+  for (const ImageCorners& quad : search.find(image, min_side_px)) add(quad, squares);
+  return squares;
 }
 
 std::vector<ImageCorners> find_code_areas(const GrayView& image, double min_side_px) {
-  return nothing_on_failure([&] { return code_areas_in(image, min_side_px); });
+  std::vector<ImageCorners> areas;
+  if (QuadSearch::why_not(image) != nullptr) return areas;
+  if (std::min(image.width_px, image.height_px) < TileThresholds::kTilePx) return areas;
+  ContrastGates gates;
+  TileThresholds thresholds;
+  DarkPixels dark;
+  BorderFollower borders;
+  // Cells are of unknown size, and so are the gaps between white ones.
+  for (const int radius_px : {3, 6, 12}) {
+    const GrayImage bright = bright_areas(image, radius_px);
+    thresholds.measure(bright.view(), gates);
+    dark.find(bright.view(), thresholds, bright.width_px);
+    borders.begin(dark);
+    for (auto border = borders.next(); !border.empty(); border = borders.next()) {
+      if (!goes_round_an_area(border)) continue;
+      const auto area = smallest_rectangle(border);
+      if (area && may_be_code(*area, min_side_px)) areas.push_back(*area);
+    }
+  }
+  return areas;
 }
 
 }  // namespace waymark

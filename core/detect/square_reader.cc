@@ -6,9 +6,10 @@
 #include <bit>
 #include <cmath>
 
-#include "core/detect/aruco_detector.h"
+#include "core/detect/code_table.h"
 #include "core/geometry/square_homography.h"
-#include "core/marker/marker_bits.h"
+#include "core/marker/marker_codes.h"
+#include "core/marker/marker_layout.h"
 
 namespace waymark {
 
@@ -49,9 +50,9 @@ class SquarePixels {
 namespace {
 
 constexpr std::array kRepresentatives{
-    Family::aruco_4x4_1000, Family::aruco_5x5_1000, Family::aruco_6x6_1000,
-    Family::aruco_7x7_1000, Family::aruco_original, Family::tag16h5,
-    Family::tag25h9,        Family::tag36h10,       Family::tag36h11};
+    Family::aruco_4x4_1000, Family::aruco_5x5_1000, Family::aruco_6x6_1000, Family::aruco_7x7_1000,
+    Family::aruco_original, Family::tag16h5,        Family::tag25h9,        Family::tag36h10,
+    Family::tag36h11,       Family::aruco_mip_36h12};
 
 constexpr int kFewestCells = 4;
 constexpr int kMostCells = 7;
@@ -161,26 +162,15 @@ double measured_border(const SquarePixels& pixels, const Grid& seen, int cells) 
   return weights > 0 ? sum / weights : 1;
 }
 
-std::uint64_t upright_code(const MarkerId& id, int cells) {
-  const MarkerBits bits = marker_bits(id);
-  std::uint64_t code = 0;
-  for (int row = 0; row < cells; ++row) {
-    for (int column = 0; column < cells; ++column) {
-      if (bits.is_white(row + 1, column + 1)) {
-        code |= std::uint64_t{1} << (row * cells + column);
-      }
-    }
-  }
-  return code;
-}
+int code_cells(Family family) { return marker_layout(family).square_cells() - 2; }
 
 }  // namespace
 
 SquareReader::SquareReader() {
   for (const Family family : kRepresentatives) {
-    Codes codes{family, traits(family).code_cells, correctable_bits(family), {}};
+    Codes codes{family, code_cells(family), correctable_bits(family), {}};
     for (int number = 0; number < traits(family).id_count; ++number) {
-      codes.codes.push_back(upright_code({family, number}, codes.cells));
+      codes.codes.push_back(marker_code({family, number}));
     }
     families_.push_back(std::move(codes));
   }
@@ -190,7 +180,7 @@ std::span<const Family> SquareReader::families() { return kRepresentatives; }
 
 bool SquareLook::could_show(const SquareForm& form) const {
   const std::uint8_t cells = form.other_border ? cells_of_other_border : cells_of_usual_border;
-  return ((cells >> traits(form.family).code_cells) & 1U) != 0;
+  return ((cells >> code_cells(form.family)) & 1U) != 0;
 }
 
 double SquareReader::chance_of(const SquareForm& form, bool exact) const {

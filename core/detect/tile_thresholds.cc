@@ -67,29 +67,6 @@ void pick_of_neighbours(const std::vector<std::uint8_t>& tiles, int columns, int
   }
 }
 
-/// The contrasts that were counted in some tiles.
-class Contrasts {
- public:
-  void add(int contrast) {
-    ++counts_[static_cast<std::size_t>(contrast)];
-    ++all_;
-  }
-  [[nodiscard]] int count() const { return all_; }
-  /// The contrast that this share of the tiles does not reach.
-  [[nodiscard]] int quantile(double share) const {
-    int contrast = 0;
-    int seen = counts_[0];
-    while (contrast < 255 && seen <= share * all_) {
-      seen += counts_[static_cast<std::size_t>(++contrast)];
-    }
-    return contrast;
-  }
-
- private:
-  std::array<int, 256> counts_{};
-  int all_ = 0;
-};
-
 }  // namespace
 
 void TileThresholds::measure_tiles(const GrayView& image) {
@@ -114,58 +91,42 @@ void TileThresholds::widen() {
   pick_of_neighbours(brightest_, columns_, rows_, low_.data(), brightest_near_, Greatest{});
 }
 
-/// A quarter of an image's 12×12 pixels show nothing but noise, as a rule: their contrast times 1.6
-/// is hardly ever reached by noise alone. Where an image is darker it may have less.
-void TileThresholds::measure_gates() {
-  constexpr double kShareWithoutEdges = 0.25;
-  constexpr double kAboveNoise = 1.6;
-  constexpr int kEnough = 50;  // tiles: with fewer, a few edges decide
-  constexpr std::size_t kLevels = 16;
-  // Below, paper's own texture and the codec's blocks are found; above, a marker in half shadow is
-  // lost.
-  constexpr int kLeastGate = 20;
-  constexpr int kMostGate = 70;
-  Contrasts all;
-  std::array<Contrasts, kLevels> by_level;
-  for (int row = 1; row < rows_; row += 3) {
-    for (int column = 1; column < columns_; column += 3) {
-      const std::size_t i = index(row) + static_cast<std::size_t>(column);
-      const int contrast = brightest_near_[i] - darkest_near_[i];
-      all.add(contrast);
-      by_level[brightest_near_[i] / (256 / kLevels)].add(contrast);
-    }
-  }
-  const int noise = all.quantile(kShareWithoutEdges);
-  const auto gate = [&](int grey) {
-    return std::clamp(static_cast<int>(kAboveNoise * grey), kLeastGate, kMostGate);
-  };
-  gate_grey_ = gate(noise);
-  for (std::size_t brightest = 0; brightest < gates_.size(); ++brightest) {
-    const Contrasts& level = by_level[brightest / (gates_.size() / kLevels)];
-    const int here = level.count() < kEnough ? noise : level.quantile(kShareWithoutEdges);
-    gates_[brightest] = static_cast<std::uint8_t>(gate(std::min(noise, here)));
-  }
-}
-
-void TileThresholds::measure(const GrayView& image) {
+void TileThresholds::look_at(const GrayView& image) {
   WAYMARK_CHECK(image.width_px >= kTile && image.height_px >= kTile);
   columns_ = (image.width_px + kTile - 1) / kTile;
   rows_ = (image.height_px + kTile - 1) / kTile;
-  const std::size_t count = index(rows_);
   for (auto* tiles : {&darkest_, &brightest_, &darkest_near_, &brightest_near_, &thresholds_}) {
-    tiles->resize(count);
+    tiles->resize(index(rows_));
   }
   low_.resize(static_cast<std::size_t>(kTile * columns_));
   high_.resize(low_.size());
   measure_tiles(image);
   widen();
-  measure_gates();
-  for (std::size_t i = 0; i < count; ++i) {
+}
+
+void TileThresholds::add_places_to(ContrastGates& gates) const {
+  for (int row = 1; row < rows_; row += 3) {
+    for (int column = 1; column < columns_; column += 3) {
+      const std::size_t i = index(row) + static_cast<std::size_t>(column);
+      gates.add(darkest_near_[i], brightest_near_[i]);
+    }
+  }
+}
+
+void TileThresholds::decide(const ContrastGates& gates) {
+  for (std::size_t i = 0; i < thresholds_.size(); ++i) {
     const std::uint8_t low = darkest_near_[i];
     const std::uint8_t high = brightest_near_[i];
     const auto threshold = static_cast<std::uint8_t>((5 * high + 3 * low + 4) / 8);
-    thresholds_[i] = high - low >= gates_[high] ? threshold : kNone;
+    thresholds_[i] = high - low >= gates.at(high) ? threshold : kNone;
   }
+}
+
+void TileThresholds::measure(const GrayView& image, ContrastGates& gates) {
+  look_at(image);
+  add_places_to(gates);
+  gates.settle();
+  decide(gates);
 }
 
 std::uint8_t TileThresholds::middle_at_pixel(int x, int y) const {

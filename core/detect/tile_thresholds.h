@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "core/capture/gray_image.h"
+#include "core/detect/contrast_gates.h"
 
 namespace waymark {
 
@@ -12,16 +12,22 @@ namespace waymark {
 /// brightest of the 3×3 tiles around it (as libapriltag does; Wang and Olson, "AprilTag 2", IROS
 /// 2016, section IV-A), at five eighths of the way: blur, and sensors that encode light, let light
 /// run into thin dark lines, so that half way breaks small and slanted markers' borders. Tiles
-/// without contrast have none. What counts as contrast follows from
-/// the image's own noise. Keeps its memory from image to image.
+/// without contrast have none; what counts as contrast, ContrastGates say. Keeps its memory from
+/// image to image.
 class TileThresholds {
  public:
   static constexpr int kTilePx = 4;
   /// Stands for none: no pixel is darker than that.
   static constexpr std::uint8_t kNone = 0;
 
-  /// The image has at least `kTilePx` columns and rows (checked).
-  void measure(const GrayView& image);
+  /// Looks at the tiles of an image with at least `kTilePx` columns and rows (checked).
+  void look_at(const GrayView& image);
+  /// Adds what every ninth tile's surroundings show to what the image's noise is judged by.
+  void add_places_to(ContrastGates& gates) const;
+  /// Gives every tile with contrast its threshold.
+  void decide(const ContrastGates& gates);
+  /// All of this: by the image's own noise, which `gates` tell from then on.
+  void measure(const GrayView& image, ContrastGates& gates);
 
   [[nodiscard]] int columns() const { return columns_; }
   [[nodiscard]] int rows() const { return rows_; }
@@ -32,23 +38,16 @@ class TileThresholds {
   [[nodiscard]] std::uint8_t at_pixel(int x, int y) const { return row(y / kTilePx)[x / kTilePx]; }
   /// Half way between the darkest and brightest pixel near a pixel's tile, whatever their contrast.
   [[nodiscard]] std::uint8_t middle_at_pixel(int x, int y) const;
-  /// Least contrast (grey levels) within 12×12 pixels that is more than noise, where it is
-  /// greatest.
-  [[nodiscard]] int gate_grey() const { return gate_grey_; }
 
  private:
   void measure_tiles(const GrayView& image);
   void widen();
-  void measure_gates();
   [[nodiscard]] std::size_t index(int tile_row) const {
     return static_cast<std::size_t>(tile_row) * static_cast<std::size_t>(columns_);
   }
 
   int columns_ = 0;
   int rows_ = 0;
-  int gate_grey_ = 0;
-  /// By the brightest of a tile's surroundings: shot noise grows with light.
-  std::array<std::uint8_t, 256> gates_{};
   // By tile, row by row.
   std::vector<std::uint8_t> darkest_;
   std::vector<std::uint8_t> brightest_;

@@ -31,28 +31,30 @@ enum class Family : std::uint8_t {
   tag25h9 = 18,
   tag36h10 = 19,
   tag36h11 = 20,
-  tagstandard52h13 = 21,  ///< 48,714 ids, for buildings of 20,000 markers; from detections.csv only
+  tagstandard52h13 = 21,  ///< 48,714 ids, for buildings of 20,000 markers
+  aruco_mip_36h12 = 22,
+  tagstandard41h12 = 23,
+  tagcircle21h7 = 24,
+  tagcircle49h12 = 25,
+  tagcustom48h12 = 26,
 };
 
-/// What a family is: its name, how many cells its code has along one side (without the black
-/// border, which is one cell wide in every family here), and how many ids.
+/// What a family is.
 struct FamilyTraits {
   Family family;
   std::string_view name;
-  int code_cells;
+  int code_bits;  ///< cells that tell markers apart
   int id_count;
+  int distance;  ///< fewest code cells in which two markers differ, any way up
 };
 
 /// The families that this program prints and finds in images.
 [[nodiscard]] std::span<const FamilyTraits> all_families();
 
-/// False for a family whose detections come from elsewhere (detections.csv): neither marker_bits
-/// nor the detectors know it.
-[[nodiscard]] bool is_found_in_images(Family family);
-
 [[nodiscard]] const FamilyTraits& traits(Family family);
 
-/// nullopt for an unknown name.
+/// nullopt for an unknown name; in those of AprilTag's later families, which have capitals, case is
+/// no matter.
 [[nodiscard]] std::optional<Family> family_from_name(std::string_view name);
 [[nodiscard]] inline std::string_view name_of(Family family) { return traits(family).name; }
 

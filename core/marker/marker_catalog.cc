@@ -8,6 +8,7 @@
 #include "core/base/text_field.h"
 #include "core/base/toml_text.h"
 #include "core/marker/id_range.h"
+#include "core/marker/marker_layout.h"
 #include "core/marker/nested_families.h"
 
 namespace waymark {
@@ -63,7 +64,9 @@ class CatalogReader {
 
   Expected<FamilyEntry> read_block(const toml::table& block) const {
     if (const auto status = check_toml_keys(
-            block, {"family", "print_scale", "size_m", "size_sigma_m", "ignore", "sizes"}, name_);
+            block,
+            {"family", "print_scale", "size_m", "size_sigma_m", "ignore", "sizes", "inverted"},
+            name_);
         !status) {
       return tl::make_unexpected(status.error());
     }
@@ -103,6 +106,14 @@ class CatalogReader {
       entry.print_scale = *factor;
       if (entry.default_size_m) *entry.default_size_m *= *factor;
       for (auto& [id, size_m] : entry.size_m_by_id) size_m *= *factor;
+    }
+    if (const toml::node* inverted = block.get("inverted")) {
+      const auto said = inverted->value_exact<bool>();
+      if (!said) {
+        return fail(ErrorKind::bad_data, "{}: inverted must be true or false",
+                    toml_place(name_, *inverted));
+      }
+      entry.inverted = *said;
     }
     if (!entry.default_size_m && entry.size_m_by_id.empty()) {
       return fail(ErrorKind::bad_data,
@@ -280,6 +291,12 @@ MarkerCatalog MarkerCatalog::with_exact_sizes() const {
   return exact;
 }
 
+bool MarkerCatalog::shows_light_squares(Family family) const {
+  const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const FamilyEntry& one) { return one.family == family; });
+  return marker_layout(family).is_light() != (entry != entries_.end() && entry->inverted);
+}
+
 MeetingFamilies MarkerCatalog::families() const {
   MeetingFamilies families;
   for (const FamilyEntry& entry : entries_) families.add(entry.family);
@@ -316,16 +333,6 @@ Expected<MarkerCatalog> parse_marker_catalog(std::string_view text, const std::s
   return CatalogReader(name).read(*root);
 }
 
-Status check_found_in_images(const MarkerCatalog& catalog, const std::string& name) {
-  for (const auto& entry : catalog.entries()) {
-    if (is_found_in_images(entry.family)) continue;
-    return fail(ErrorKind::bad_data,
-                "{}: markers of family {} can't be found in images yet; bring a detections.csv",
-                name, name_of(entry.family));
-  }
-  return {};
-}
-
 std::string format_marker_catalog(const MarkerCatalog& catalog) {
   std::string text;
   for (const auto& entry : catalog.entries()) {
@@ -334,6 +341,7 @@ std::string format_marker_catalog(const MarkerCatalog& catalog) {
     if (entry.default_size_sigma_m) {
       text += fmt::format("size_sigma_m = {}\n", *entry.default_size_sigma_m);
     }
+    if (entry.inverted) text += "inverted = true\n";
     if (!entry.ignored.empty()) {
       text += fmt::format("ignore = \"{}\"\n", format_id_ranges(std::vector<int>(
                                                    entry.ignored.begin(), entry.ignored.end())));

@@ -24,6 +24,7 @@ class MarkerCatalog {
     double print_scale = 1;                        ///< that the sizes above have in them
     std::optional<double> default_size_sigma_m{};  ///< as stated beside the default size
     std::map<int, double> size_sigma_m_by_id{};    ///< of listed ids, where stated
+    bool inverted = false;                         ///< printed white for black
   };
 
   MarkerCatalog() = default;
@@ -31,13 +32,17 @@ class MarkerCatalog {
 
   [[nodiscard]] const std::vector<FamilyEntry>& entries() const { return entries_; }
 
-  /// Outer edge of the black border (m); nullopt for a marker that is ignored or does not exist
-  /// here.
+  /// Side of the marker's square (m): the outer edge of the black border, or of the white one
+  /// within the black ring of families that have such (MarkerLayout). nullopt for a marker that is
+  /// ignored or does not exist here.
   [[nodiscard]] std::optional<double> size_m(const MarkerId& id) const;
 
   /// One standard deviation of that size (m), which is wrong alike for all markers that share it;
   /// where it is not stated, default_size_sigma_m. nullopt where size_m is.
   [[nodiscard]] std::optional<double> size_sigma_m(const MarkerId& id) const;
+
+  /// Whether the family's squares are seen light in dark: by its layout, or printed inverted.
+  [[nodiscard]] bool shows_light_squares(Family family) const;
 
   /// Whether several families meet, so that ids are written "family:number".
   [[nodiscard]] bool several_families() const { return families().several(); }
@@ -74,10 +79,6 @@ class MarkerCatalog {
 [[nodiscard]] Expected<MarkerCatalog> read_marker_catalog(const std::filesystem::path& path);
 [[nodiscard]] Expected<MarkerCatalog> parse_marker_catalog(std::string_view text,
                                                            const std::string& name);
-
-/// bad_data when a family of the catalog is not one that is found in images (is_found_in_images);
-/// `name` stands for the capture in the message.
-[[nodiscard]] Status check_found_in_images(const MarkerCatalog& catalog, const std::string& name);
 
 /// Text of a markers.toml that reads back to the same sizes and sigmas, print_scale within them
 /// (used by the simulator, importers).

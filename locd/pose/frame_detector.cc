@@ -4,7 +4,6 @@
 #include <bit>
 
 #include "core/base/parallel.h"
-#include "core/marker/image_families.h"
 
 namespace waymark {
 namespace {
@@ -19,8 +18,7 @@ bool has_size_of(const GrayView& image, const CameraModel& camera) {
 FrameDetector::FrameDetector(const Rig& rig, const MarkerCatalog& catalog, int threads,
                              const std::function<void()>& begin_worker)
     : rig_(rig), found_(rig.cameras.size()) {
-  detect_in_calling_threads();
-  if (families_in_images(catalog).empty()) return;
+  if (catalog.entries().empty()) return;
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     detectors_.push_back(std::make_unique<ImageDetector>(catalog));
   }
@@ -43,7 +41,8 @@ FrameDetector::~FrameDetector() {
   for (std::thread& worker : workers_) worker.join();
 }
 
-void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras) {
+void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras,
+                           std::span<const std::vector<ImageWindow>> windows) {
   CameraMask to_search = 0;
   for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
     results_[c] = {};
@@ -61,6 +60,7 @@ void FrameDetector::detect(const FrameSetLease& set, CameraMask cameras) {
   {
     const std::lock_guard lock(mutex_);
     set_ = &set;
+    windows_ = windows;
     waiting_ = to_search;
     unfinished_ = std::popcount(to_search);
   }
@@ -103,8 +103,10 @@ void FrameDetector::take_cameras() {
 }
 
 void FrameDetector::detect_in(std::size_t camera) {
-  found_[camera] =
-      &detectors_[camera]->detect(set_->frames[camera].image(), rig_.cameras[camera].model);
+  std::span<const ImageWindow> windows;
+  if (camera < windows_.size()) windows = windows_[camera];
+  found_[camera] = &detectors_[camera]->detect(set_->frames[camera].image(),
+                                               rig_.cameras[camera].model, windows);
 }
 
 }  // namespace waymark

@@ -17,7 +17,7 @@
 namespace waymark {
 
 /// Finds the markers in all images of a set at once, by worker threads made at start, one detector
-/// per camera, and by no others: the detector's library makes none of its own. Frames that come
+/// per camera, and by no others. Frames that come
 /// with their detections (a capture's detections.csv) are not looked at again.
 class FrameDetector {
  public:
@@ -30,14 +30,16 @@ class FrameDetector {
   FrameDetector(const FrameDetector&) = delete;
   FrameDetector& operator=(const FrameDetector&) = delete;
 
-  /// Detections of the cameras in `cameras`; what is asked below is valid until the next call.
-  void detect(const FrameSetLease& set, CameraMask cameras);
+  /// Detections of the cameras in `cameras`, looked for in each camera's windows (by camera; none:
+  /// in the whole image); what is asked below is valid until the next call.
+  void detect(const FrameSetLease& set, CameraMask cameras,
+              std::span<const std::vector<ImageWindow>> windows = {});
   [[nodiscard]] std::span<const Detection> detections_of(std::size_t camera) const {
     return results_[camera];
   }
   /// Cameras whose images were searched for markers.
   [[nodiscard]] CameraMask searched() const { return searched_; }
-  /// Those of them whose images could not be searched: the library that finds markers failed.
+  /// Those of them whose images could not be searched: the detector failed.
   [[nodiscard]] CameraMask failed() const { return failed_; }
 
  private:
@@ -57,6 +59,7 @@ class FrameDetector {
   PriorityCondition begun_;
   PriorityCondition done_;
   const FrameSetLease* set_ = nullptr;
+  std::span<const std::vector<ImageWindow>> windows_;
   CameraMask waiting_ = 0;  ///< cameras that no thread has taken
   int unfinished_ = 0;      ///< cameras taken or waiting
   bool stopping_ = false;

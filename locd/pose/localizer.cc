@@ -11,6 +11,7 @@
 #include "locd/frames/image_health.h"
 #include "locd/pose/detection_watch.h"
 #include "locd/pose/error_model.h"
+#include "locd/pose/expected_windows.h"
 #include "locd/pose/frame_detector.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
@@ -37,7 +38,9 @@ struct Localizer::Implementation {
       : rig(rig_in),
         options(options_in),
         map(map_in),
-        detector(rig, map.catalog(), options.detection_threads, options.begin_worker),
+        detector(rig, map.catalog(options.inverted), options.detection_threads,
+                 options.begin_worker),
+        expected(rig, map),
         robust(rig, map, {}),
         gate(options.gate),
         motion(options.motion()),
@@ -59,6 +62,7 @@ struct Localizer::Implementation {
 
   void localize(const FrameSetLease& set, PoseEstimate& estimate);
   void look_at_images(const FrameSetLease& set);
+  void find_markers(const FrameSetLease& set, Stamp stamp);
   void find_candidates(const FrameSetLease& set);
   void observe(PoseEstimate& estimate);
   void observe(std::size_t camera, const Detection& detection, PoseEstimate& estimate);
@@ -77,6 +81,7 @@ struct Localizer::Implementation {
   LocalizerOptions options;
   MapIndex map;
   FrameDetector detector;
+  ExpectedWindows expected;
   RobustPose robust;
   PoseGate gate;
   MotionFilter motion;
@@ -108,7 +113,7 @@ void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate&
   const Stamp started = monotonic_now();
   look_at_images(set);
   skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
-  detector.detect(set, usable);
+  find_markers(set, estimate.stamp);
   detection_watch.look(detector.searched(), detector.failed(), estimate.stamp, alerts);
   unhealthy_frames = set.cameras & ~usable;
   usable &= ~detector.failed();
@@ -133,6 +138,17 @@ void Localizer::Implementation::look_at_images(const FrameSetLease& set) {
     }
   }
   usable = set.cameras & ~health.unhealthy() & ~health.repeated();
+}
+
+/// Where they are expected at `stamp`, if that can be told.
+void Localizer::Implementation::find_markers(const FrameSetLease& set, Stamp stamp) {
+  if (options.guided) expected.predict(motion.predict(stamp));
+  detector.detect(set, usable, expected.by_camera());
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    if ((detector.searched() & camera_bit(c)) != 0) {
+      expected.remember(c, detector.detections_of(c));
+    }
+  }
 }
 
 /// The detections that are used, by camera: of more than kMaxObservations, the largest in the

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "core/base/range.h"
 #include "core/estimate/calibration_sigmas.h"
+#include "core/marker/family.h"
 #include "locd/frames/image_health.h"
 #include "locd/frames/skew_watch.h"
 #include "locd/pose/motion_filter.h"
@@ -22,6 +24,9 @@ struct LocalizerOptions {
   /// Cameras that ran before the program did: see ImageHealthOptions. A capture's first images are
   /// as good as any.
   bool doubt_first_images = false;
+  std::vector<Family> inverted;  ///< families that are printed white for black
+  /// Look for markers where the prediction has them, and in the whole images by turns.
+  bool guided = true;
   CalibrationSigmas calibration;  ///< how sure the rig file is; exact() only of a simulation
   double size_sigma = 1e-3;       ///< of the prints' size, as a share (0–0.05)
   int detection_threads = 0;      ///< 0: one per camera, at most as many as there are processors

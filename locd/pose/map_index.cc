@@ -29,7 +29,7 @@ std::optional<std::size_t> MapIndex::find(const MarkerId& id) const {
   return static_cast<std::size_t>(found - markers_.begin());
 }
 
-MarkerCatalog MapIndex::catalog() const {
+MarkerCatalog MapIndex::catalog(std::span<const Family> inverted) const {
   std::map<Family, std::map<double, int>> sizes;
   std::map<Family, MarkerCatalog::FamilyEntry> entries;
   for (const MapMarker& marker : markers_) {
@@ -45,9 +45,18 @@ MarkerCatalog MapIndex::catalog() const {
         std::max_element(counted.begin(), counted.end(), [](const auto& a, const auto& b) {
           return a.second < b.second;
         })->first;
+    entry.inverted = std::find(inverted.begin(), inverted.end(), family) != inverted.end();
     list.push_back(std::move(entry));
   }
   return MarkerCatalog(std::move(list));
+}
+
+std::vector<Family> inverted_families(const MarkerCatalog& catalog) {
+  std::vector<Family> families;
+  for (const auto& entry : catalog.entries()) {
+    if (entry.inverted) families.push_back(entry.family);
+  }
+  return families;
 }
 
 }  // namespace waymark

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/map/marker_map.h"
@@ -33,10 +34,10 @@ class MapIndex {
   [[nodiscard]] bool quarantined(std::size_t index) const { return quarantined_[index] != 0; }
   void set_quarantined(std::size_t index, bool value) { quarantined_[index] = value ? 1 : 0; }
 
-  /// What detectors look for: the map's families, also those that images don't show (their markers
-  /// come with detections of a capture's). Ids that the map lacks are taken too, with the
-  /// family's most frequent size, so that a marker nobody mapped can be named.
-  [[nodiscard]] MarkerCatalog catalog() const;
+  /// What detectors look for: the map's families, some of them `inverted` (printed white for
+  /// black). Ids that the map lacks are taken too, with the family's most frequent size, so that a
+  /// marker nobody mapped can be named.
+  [[nodiscard]] MarkerCatalog catalog(std::span<const Family> inverted = {}) const;
 
  private:
   std::vector<MapMarker> markers_;  ///< by rising id
@@ -44,5 +45,8 @@ class MapIndex {
   std::size_t unknown_covariances_ = 0;
   bool independent_ = true;
 };
+
+/// Those of a catalog that are printed white for black.
+[[nodiscard]] std::vector<Family> inverted_families(const MarkerCatalog& catalog);
 
 }  // namespace waymark

@@ -45,8 +45,7 @@ MapInUse map_in_use(const Setup& setup, std::span<const QuarantinedMarker> quara
   if (!setup.map) return map;
   map.identity = std::make_shared<const MapIdentity>(MapIdentity{
       setup.map_hash, setup.map->submaps.front().z_is_up, setup.map->several_families()});
-  map.localizer =
-      std::make_unique<Localizer>(setup.rig, *setup.map, localizer_options(setup.config));
+  map.localizer = std::make_unique<Localizer>(setup.rig, *setup.map, localizer_options(setup));
   map.localizer->restore_quarantine(quarantined);
   return map;
 }

@@ -15,7 +15,6 @@
 #include "core/capture/capture_files.h"
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
-#include "core/marker/image_families.h"
 #include "drivers/monotonic_clock.h"
 #include "drivers/replay_source.h"
 #include "locd/frames/rig_capture.h"
@@ -226,14 +225,6 @@ Status check_outputs(const ReplayCommandOptions& options) {
   return check_differ(outputs, "trajectory and table");
 }
 
-/// What the capture's images, where they are looked at, will never show of the map.
-Expected<std::optional<std::string>> check_families(const ReplayCommandOptions& options,
-                                                    const CaptureFolder& folder,
-                                                    const MarkerMap& map) {
-  if (folder.detections_csv && !options.redetect) return std::optional<std::string>();
-  return shown_in_images(MapIndex(map).catalog(), options.map.string());
-}
-
 }  // namespace
 
 Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& stop,
@@ -249,9 +240,6 @@ Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& 
   if (!capture) return tl::make_unexpected(capture.error());
   const CaptureFolder& folder = (*capture)->folder();
   if (auto checked = check_rig(folder); !checked) return checked;
-  const auto shown = check_families(options, folder, *map);
-  if (!shown) return tl::make_unexpected(shown.error());
-  if (*shown) fmt::print(notes, "note: {}\n", **shown);
   for (const std::string& note : shown_notes(folder.notes)) {
     fmt::print(notes, "{}\n", note_line(note));
   }
@@ -260,7 +248,9 @@ Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& 
                options.map.string(), map->submaps.size());
   }
 
-  Localizer localizer(folder.rig, *map, LocalizerOptions{});
+  LocalizerOptions localizing;
+  localizing.inverted = inverted_families(folder.catalog);
+  Localizer localizer(folder.rig, *map, localizing);
   PoseEstimate estimate;
   ReplayOutput output(options, **capture, *map, notes);
   const TakeSet take_set = [&](FrameSetLease& set) {

@@ -10,7 +10,6 @@
 #include "core/camera/rig_parameters.h"
 #include "core/capture/sync_tolerance.h"
 #include "core/map/map_file.h"
-#include "core/marker/image_families.h"
 #include "core/marker/marker_catalog.h"
 #include "locd/frames/realtime.h"
 #include "locd/pose/map_index.h"
@@ -108,19 +107,7 @@ Status find_markers(Setup& setup) {
   const auto catalog = read_marker_catalog(file);
   if (!catalog) return tl::make_unexpected(catalog.error());
   setup.markers_toml = format_marker_catalog(*catalog);
-  return {};
-}
-
-/// What cameras will never see of the map is said, and a map of nothing else is refused: no pose
-/// would ever come of it.
-Status check_families(Setup& setup) {
-  const auto shown = shown_in_images(MapIndex(*setup.map).catalog(), setup.config.map.string());
-  const auto& cameras = setup.config.cameras;
-  const bool any_capture = std::any_of(cameras.begin(), cameras.end(), [](const auto& camera) {
-    return camera.driver == CameraDriver::replay;  // its detections.csv may show them all
-  });
-  if (!shown && !any_capture) return tl::make_unexpected(shown.error());
-  if (shown && *shown) setup.notes.push_back(**shown);
+  setup.inverted = inverted_families(*catalog);
   return {};
 }
 
@@ -146,7 +133,7 @@ Status read_map(Setup& setup) {
         path.string(), unknown, markers.size()));
   }
   setup.map = std::move(*map);
-  return check_families(setup);
+  return {};
 }
 
 Status read_key(Setup& setup) {
@@ -200,8 +187,10 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
 
 bool same_rig(const Rig& a, const Rig& b) { return format_camchain(a) == format_camchain(b); }
 
-LocalizerOptions localizer_options(const Config& config) {
+LocalizerOptions localizer_options(const Setup& setup) {
+  const Config& config = setup.config;
   LocalizerOptions options;
+  options.inverted = setup.inverted;
   options.triggered = config.sync.triggered;
   options.doubt_first_images = true;
   options.prior_max_age_s = config.solve.prior_max_age_s;

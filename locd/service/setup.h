@@ -21,6 +21,7 @@ struct Setup {
   std::optional<MarkerMap> map;
   std::string map_hash;            ///< content hash; empty without a map
   std::optional<MessageKey> key;   ///< what poses are signed with
+  std::vector<Family> inverted;    ///< printed white for black, as the same file says
   std::string markers_toml;        ///< for recordings; empty when nothing tells families and sizes
   std::vector<std::string> notes;  ///< what the user should know, what weighs most first
 };
@@ -34,7 +35,7 @@ struct Setup {
 [[nodiscard]] bool same_rig(const Rig& a, const Rig& b);
 
 /// The configuration in the localizer's terms.
-[[nodiscard]] LocalizerOptions localizer_options(const Config& config);
+[[nodiscard]] LocalizerOptions localizer_options(const Setup& setup);
 [[nodiscard]] SyncOptions sync_options(const Config& config);
 /// Per camera, what is taken off its stamps.
 [[nodiscard]] std::vector<Stamp> stamp_delays(const Config& config);

@@ -6,8 +6,8 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
-#include "core/detect/marker_detector.h"
 #include "mapbuilder/commands/told_findings.h"
+#include "mapbuilder/referees/detector_engine.h"
 
 namespace waymark {
 
@@ -17,8 +17,8 @@ struct DetectOptions {
   std::filesystem::path capture;
   std::optional<std::filesystem::path> output;  ///< default: detections.csv in the capture
   int threads = 0;
-  bool correct_edges = false;           ///< as in DetectCaptureOptions
-  DetectorEngine engine = kBestEngine;  ///< likewise
+  bool correct_edges = false;                   ///< as in DetectCaptureOptions
+  DetectorEngine engine = DetectorEngine::own;  ///< likewise
   FindingRules rules;
 };
 

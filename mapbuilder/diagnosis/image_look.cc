@@ -46,9 +46,8 @@ class Looker {
  public:
   explicit Looker(const MarkerCatalog& catalog) : catalog_(catalog) {
     for (const auto& entry : catalog.entries()) {
-      if (is_found_in_images(entry.family)) {
-        stated_[largest_beginning_with(entry.family)] = &entry;
-      }
+      auto& stated = entry.inverted ? stated_inverted_ : stated_;
+      stated[largest_beginning_with(entry.family)] = &entry;
     }
   }
 
@@ -67,7 +66,7 @@ class Looker {
     look.squares = static_cast<int>(squares.size());
     const std::vector<Explained> found = explained;
     for (const auto& [square, seen] : squares) {
-      if (take_stated(square, seen, is_explained(place_of(square), found), look)) {
+      if (take_stated(stated_, square, seen, is_explained(place_of(square), found), look)) {
         explained.push_back(place_of(square));
       }
     }
@@ -85,20 +84,25 @@ class Looker {
     GrayImage inverted = image;
     for (std::uint8_t& grey : inverted.pixels) grey = static_cast<std::uint8_t>(255 - grey);
     for (const ImageCorners& square : find_squares(inverted.view())) {
+      const SquareLook seen = reader_.read(inverted.view(), square);
+      const bool is_found = is_explained(place_of(square), found);
+      if (take_stated(stated_inverted_, square, seen, is_found, look)) continue;
       if (is_explained(place_of(square), explained)) continue;
-      count_others(reader_.read(inverted.view(), square), {{}, true, false}, look);
+      count_others(seen, {{}, true, false}, look);
     }
     return look;
   }
 
  private:
+  using Stated = std::map<Family, const MarkerCatalog::FamilyEntry*>;  ///< by representative
+
   /// Whether the square shows a marker of a stated family; `found`: the detector has found one
   /// there, whose border may still be cut.
-  bool take_stated(const ImageCorners& square, const SquareLook& seen, bool found,
-                   CameraLook& look) const {
+  bool take_stated(const Stated& stated, const ImageCorners& square, const SquareLook& seen,
+                   bool found, CameraLook& look) const {
     for (const SquareReading& reading : seen.readings) {
-      const auto entry = stated_.find(reading.form.family);
-      if (entry == stated_.end() || reading.form.mirrored) continue;
+      const auto entry = stated.find(reading.form.family);
+      if (entry == stated.end() || reading.form.mirrored) continue;
       if (reading.form.other_border && !found) continue;
       const MarkerId id{entry->second->family, reading.number};
       // A larger family's code, where only its beginning is stated.
@@ -143,7 +147,8 @@ class Looker {
   }
 
   const MarkerCatalog& catalog_;
-  std::map<Family, const MarkerCatalog::FamilyEntry*> stated_;  ///< by representative
+  Stated stated_;
+  Stated stated_inverted_;  ///< printed white for black
   SquareReader reader_;
 };
 

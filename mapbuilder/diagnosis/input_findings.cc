@@ -248,8 +248,7 @@ std::optional<Finding> cut_finding(const DetectedCapture& capture,
 bool may_be_chance(Family family) {
   constexpr double kRare = 0.01;
   const FamilyTraits& family_traits = traits(family);
-  const int bits = family_traits.code_cells * family_traits.code_cells;
-  return 4.0 * family_traits.id_count > kRare * std::exp2(bits);
+  return 4.0 * family_traits.id_count > kRare * std::exp2(family_traits.code_bits);
 }
 
 std::optional<Finding> unlisted_finding(const DetectedCapture& capture,

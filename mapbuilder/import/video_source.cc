@@ -12,8 +12,9 @@ Expected<OpenVideosFunction*> load_decoder() {
   void* const module = ::dlopen(kVideoModule, RTLD_NOW | RTLD_LOCAL);
   void* const symbol = module != nullptr ? ::dlsym(module, kOpenVideosSymbol) : nullptr;
   if (symbol == nullptr) {
-    return fail(ErrorKind::unavailable, "{}: can't load the video decoder: {}; install it anew",
-                kVideoModule, ::dlerror());  // NOLINT(concurrency-mt-unsafe)
+    return fail(ErrorKind::unavailable,
+                "{}: can't load the video decoder: {}; install waymark-video", kVideoModule,
+                ::dlerror());  // NOLINT(concurrency-mt-unsafe)
   }
   return reinterpret_cast<OpenVideosFunction*>(symbol);  // NOLINT: dlsym knows no types
 }

@@ -9,7 +9,6 @@
 #include "core/capture/detections_csv.h"
 #include "core/capture/image_file.h"
 #include "core/capture/sync_tolerance.h"
-#include "core/marker/image_families.h"
 #include "mapbuilder/observations/edge_correction.h"
 
 namespace waymark {
@@ -82,31 +81,23 @@ class DeepImages {
 Expected<DetectedCapture> from_images(const CaptureFolder& capture,
                                       const DetectCaptureOptions& options, Progress& progress,
                                       DetectionReport& report) {
-  const auto shown = shown_in_images(capture.catalog, capture.path.string());
-  if (!shown) return tl::make_unexpected(shown.error());
-  if (*shown) report.warnings.push_back(**shown);
-  const auto detecting =
-      image_detector_options(capture.catalog, options.engine, capture.path.string());
-  if (!detecting) return tl::make_unexpected(detecting.error());
+  const int threads = effective_threads(options.threads);
+  auto detectors = image_detectors(capture.catalog, options.engine, threads, capture.path.string());
+  if (!detectors) return tl::make_unexpected(detectors.error());
   DetectedCapture detected{capture.path.string(),  capture.rig,      capture.catalog, {},
                            capture.sync_tolerance, capture.monotonic};
   std::size_t rotated = 0;
   DeepImages deep;
   std::optional<Error> first_error;
-  const int threads = effective_threads(options.threads);
   // A batch at a time, so that progress can be shown from this thread.
   const std::size_t batch = static_cast<std::size_t>(threads) * 4;
-  std::vector<std::unique_ptr<ImageDetector>> detectors;
-  for (int i = 0; i < threads; ++i) {
-    detectors.push_back(std::make_unique<ImageDetector>(capture.catalog, *detecting));
-  }
   progress.begin("detecting markers", capture.images.size());
   for (std::size_t first = 0; first < capture.images.size(); first += batch) {
     const std::size_t count = std::min(batch, capture.images.size() - first);
     std::vector<DetectedImage> results(count);
     std::atomic<std::size_t> next_detector{0};
     parallel_for_with(
-        count, threads, [&] { return detectors[next_detector.fetch_add(1)].get(); },
+        count, threads, [&] { return (*detectors)[next_detector.fetch_add(1)].get(); },
         [&](ImageDetector* detector, std::size_t i) {
           const ImageFile& file = capture.images[first + i];
           const auto camera = static_cast<std::size_t>(file.camera);
@@ -197,18 +188,17 @@ void fit_sync_tolerance(DetectedCapture& capture, DetectionReport& report) {
                          fmt::format("{}: {}", capture.name, *usable.note));
 }
 
-Expected<ImageDetectorOptions> image_detector_options(const MarkerCatalog& catalog,
-                                                      DetectorEngine engine,
-                                                      const std::string& name) {
-  for (const Family family : families_in_images(catalog)) {
-    if (engine_knows(engine, family)) continue;
-    return fail(ErrorKind::usage,
-                "{}: --detector {} does not know the family {}; own and opencv do", name,
-                name_of(engine), name_of(family));
+Expected<std::vector<std::unique_ptr<ImageDetector>>> image_detectors(const MarkerCatalog& catalog,
+                                                                      DetectorEngine engine,
+                                                                      int count,
+                                                                      const std::string& name) {
+  std::vector<std::unique_ptr<ImageDetector>> detectors;
+  for (int i = 0; i < count; ++i) {
+    auto detector = make_detector(engine, catalog, name);
+    if (!detector) return tl::make_unexpected(detector.error());
+    detectors.push_back(std::make_unique<ImageDetector>(catalog, std::move(*detector)));
   }
-  ImageDetectorOptions options;
-  options.detector.engine = engine;
-  return options;
+  return detectors;
 }
 
 Expected<DetectedCapture> detect_capture(const CaptureFolder& capture,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/detect/edge_bias.h"
 #include "core/detect/image_detector.h"
 #include "mapbuilder/observations/detected_capture.h"
+#include "mapbuilder/referees/detector_engine.h"
 
 namespace waymark {
 
@@ -20,7 +22,7 @@ struct DetectCaptureOptions {
   /// Measure how far edges are seen inside the black and move corners outward (edge_correction);
   /// of detections.csv, whose images are not read, corners stay as they are.
   bool correct_edges = false;
-  DetectorEngine engine = kBestEngine;  ///< who finds markers
+  DetectorEngine engine = DetectorEngine::own;  ///< who finds markers
 };
 
 /// What happened to a capture's images.
@@ -43,11 +45,10 @@ struct DetectionReport {
 /// it.
 void fit_sync_tolerance(DetectedCapture& capture, DetectionReport& report);
 
-/// An image detector for a catalog, of which some family is found in images (checked). usage where
-/// the engine does not know one of its families; `name` stands for catalog or capture there.
-[[nodiscard]] Expected<ImageDetectorOptions> image_detector_options(const MarkerCatalog& catalog,
-                                                                    DetectorEngine engine,
-                                                                    const std::string& name);
+/// Image detectors for a catalog, one for each of `count` threads. Errors of make_detector; `name`
+/// stands for catalog or capture there.
+[[nodiscard]] Expected<std::vector<std::unique_ptr<ImageDetector>>> image_detectors(
+    const MarkerCatalog& catalog, DetectorEngine engine, int count, const std::string& name);
 
 /// A capture's detections: from its detections.csv or else from its images, each decoded, detected
 /// and dropped, several at a time. An unreadable image is skipped, counted and said, as is one of

@@ -7,7 +7,6 @@
 #include "core/base/parallel.h"
 #include "core/camera/kalibr.h"
 #include "core/geometry/tum.h"
-#include "core/marker/image_families.h"
 
 namespace waymark {
 namespace {
@@ -51,12 +50,9 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture,
   report.warnings = std::move(loaded->notes);
   auto catalog = read_marker_catalog(capture.markers_toml);
   if (!catalog) return tl::make_unexpected(catalog.error());
-  const auto shown = shown_in_images(*catalog, capture.markers_toml.string());
-  if (!shown) return tl::make_unexpected(shown.error());
-  if (*shown) report.warnings.push_back(**shown);
-  const auto detecting =
-      image_detector_options(*catalog, options.engine, capture.markers_toml.string());
-  if (!detecting) return tl::make_unexpected(detecting.error());
+  auto detectors = image_detectors(*catalog, options.engine, effective_threads(options.threads),
+                                   capture.markers_toml.string());
+  if (!detectors) return tl::make_unexpected(detectors.error());
   auto source = open_videos(capture.videos, loaded->rig, capture.options);
   if (!source) return tl::make_unexpected(source.error());
 
@@ -64,15 +60,10 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture,
   detected.name = capture.videos.front().string();
   detected.rig = std::move(loaded->rig);
   detected.catalog = std::move(*catalog);
-  std::vector<std::unique_ptr<ImageDetector>> detectors(
-      static_cast<std::size_t>(effective_threads(options.threads)));
-  for (auto& detector : detectors) {
-    detector = std::make_unique<ImageDetector>(detected.catalog, *detecting);
-  }
   progress.begin("detecting markers", (*source)->expected_frames());
   for (;;) {
     // A batch at a time: memory holds no more frames than the threads keep busy with.
-    const auto frames = take_frames(**source, detectors.size() * 4);
+    const auto frames = take_frames(**source, detectors->size() * 4);
     if (!frames) return tl::make_unexpected(frames.error());
     if (frames->empty()) break;
     if (auto sized = check_sizes(*frames, capture.videos, detected.rig); !sized) {
@@ -81,8 +72,8 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture,
     std::vector<FoundMarkers> found(frames->size());
     std::atomic<std::size_t> next_detector{0};
     parallel_for_with(
-        frames->size(), static_cast<int>(detectors.size()),
-        [&] { return detectors[next_detector.fetch_add(1)].get(); },
+        frames->size(), static_cast<int>(detectors->size()),
+        [&] { return (*detectors)[next_detector.fetch_add(1)].get(); },
         [&](ImageDetector* detector, std::size_t i) {
           const VideoFrame& frame = (*frames)[i];
           const auto camera = static_cast<std::size_t>(frame.camera);

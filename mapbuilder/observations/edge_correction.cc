@@ -8,7 +8,7 @@
 
 #include "core/base/parallel.h"
 #include "core/capture/image_file.h"
-#include "core/marker/image_families.h"
+#include "core/marker/marker_bits.h"
 #include "core/marker/marker_outline.h"
 
 namespace waymark {
@@ -33,7 +33,10 @@ ChosenMarkers choose(const DetectedCapture& detected) {
   for (std::size_t i = 0; i < detected.images.size(); ++i) {
     const ImageDetections& image = detected.images[i];
     for (std::size_t k = 0; k < image.detections.size(); ++k) {
-      if (image.detections[k].hamming > 0) continue;
+      const Detection& detection = image.detections[k];
+      // Black that is too small makes squares of black smaller and those of white larger.
+      if (detected.catalog.shows_light_squares(detection.marker.family)) continue;
+      if (detection.hamming > 0) continue;
       by_camera[static_cast<std::size_t>(image.camera)].emplace_back(i, k);
     }
   }
@@ -56,14 +59,14 @@ std::map<std::pair<Stamp, int>, const ImageFile*> files_of(const CaptureFolder& 
 }
 
 void fit_image(const ImageFile& file, const ImageDetections& image, const CameraModel& camera,
-               const MarkerBitsTable& bits, std::vector<Chosen>& markers) {
+               std::vector<Chosen>& markers) {
   const CameraParameters& expected = camera.parameters();
   const auto loaded = read_gray_image(file.path, ImageSize{expected.width_px, expected.height_px});
   if (!loaded) return;
   for (Chosen& one : markers) {
     const Detection& detection = image.detections[one.detection];
     one.fits =
-        fit_marker(loaded->image.view(), camera, detection.corners, bits.of(detection.marker));
+        fit_marker(loaded->image.view(), camera, detection.corners, marker_bits(detection.marker));
   }
 }
 
@@ -73,7 +76,6 @@ void fit(const CaptureFolder& capture, const DetectedCapture& detected, int thre
   std::vector<std::pair<std::size_t, std::vector<Chosen>*>> images;
   for (auto& [image, markers] : chosen) images.emplace_back(image, &markers);
   const auto files = files_of(capture);
-  const MarkerBitsTable bits(families_in_images(capture.catalog));
   const std::size_t batch = static_cast<std::size_t>(effective_threads(threads)) * 4;
   progress.begin("measuring edges", images.size());
   for (std::size_t first = 0; first < images.size(); first += batch) {
@@ -84,7 +86,7 @@ void fit(const CaptureFolder& capture, const DetectedCapture& detected, int thre
       const auto file = files.find({image.stamp, image.camera});
       if (file == files.end()) return;
       const auto camera = static_cast<std::size_t>(image.camera);
-      fit_image(*file->second, image, detected.rig.cameras[camera].model, bits, *markers);
+      fit_image(*file->second, image, detected.rig.cameras[camera].model, *markers);
     });
     progress.update(first + count, "");
   }
@@ -108,8 +110,13 @@ std::vector<std::optional<EdgeBias>> biases_of(const DetectedCapture& detected,
 }
 
 /// Moves an image's corners outward: fitted markers by their own inset, the others by the mean.
-void move_corners(ImageDetections& image, const std::vector<Chosen>& fitted, const EdgeBias& bias) {
-  std::vector<double> insets(image.detections.size(), bias.inset_px);
+void move_corners(const MarkerCatalog& catalog, const std::vector<Chosen>& fitted,
+                  const EdgeBias& bias, ImageDetections& image) {
+  std::vector<double> insets;
+  for (const Detection& detection : image.detections) {
+    const bool light = catalog.shows_light_squares(detection.marker.family);
+    insets.push_back(light ? -bias.inset_px : bias.inset_px);
+  }
   for (const Chosen& one : fitted) {
     if (one.fits) insets[one.detection] = inset_of(*one.fits, bias);
   }
@@ -132,7 +139,7 @@ std::vector<std::optional<EdgeBias>> correct_edges(const CaptureFolder& capture,
   for (std::size_t i = 0; i < detected.images.size(); ++i) {
     ImageDetections& image = detected.images[i];
     const auto& bias = biases[static_cast<std::size_t>(image.camera)];
-    if (bias) move_corners(image, chosen[i], *bias);
+    if (bias) move_corners(detected.catalog, chosen[i], *bias, image);
   }
   return biases;
 }

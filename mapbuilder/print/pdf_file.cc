@@ -25,16 +25,20 @@ Box clipped(const Box& box, const Box& window) {
   return part;
 }
 
-/// Runs of white cells in a marker's rows.
-std::vector<Box> white_runs(const PrintedSquare& printed) {
+/// Runs of black cells in a marker's rows.
+std::vector<Box> black_runs(const PrintedSquare& printed) {
   const MarkerBits bits = marker_bits(printed.id);
   const double cell = printed.square.width_mm / bits.cells;
+  const int end = bits.cells + bits.outside;
+  const auto is_black = [&](int row, int column) {
+    return !bits.is_white(row, column) && bits.kind(row, column) != CellKind::nothing;
+  };
   std::vector<Box> runs;
-  for (int row = 0; row < bits.cells; ++row) {
-    for (int column = 0; column < bits.cells; ++column) {
-      if (!bits.is_white(row, column)) continue;
+  for (int row = -bits.outside; row < end; ++row) {
+    for (int column = -bits.outside; column < end; ++column) {
+      if (!is_black(row, column)) continue;
       const int first = column;
-      while (column + 1 < bits.cells && bits.is_white(row, column + 1)) ++column;
+      while (column + 1 < end && is_black(row, column + 1)) ++column;
       runs.push_back({printed.square.left_mm + first * cell, printed.square.top_mm + row * cell,
                       (column + 1 - first) * cell, cell});
     }
@@ -100,10 +104,9 @@ class PdfWriter {
   }
 
   void draw(const PrintedSquare& printed) {
-    fill({clipped(printed.square, printed.window)}, 0);
-    std::vector<Box> white = white_runs(printed);
-    for (Box& run : white) run = clipped(run, printed.window);
-    fill(white, 1);
+    std::vector<Box> black = black_runs(printed);
+    for (Box& run : black) run = clipped(run, printed.window);
+    fill(black, 0);
   }
 
   void draw(const Label& label) {

@@ -9,7 +9,7 @@
 
 #include "core/base/check.h"
 #include "core/geometry/degrees.h"
-#include "core/marker/family.h"
+#include "core/marker/marker_layout.h"
 
 namespace waymark {
 namespace {
@@ -19,7 +19,7 @@ constexpr double kPixelsPerCell = 4.0;
 constexpr double kTurned_rad = std::numbers::pi / 4;
 constexpr double kMarkersInView = 4.0;
 
-int cells_of_tag36h11() { return traits(Family::tag36h11).code_cells + 2; }
+int cells_of_tag36h11() { return marker_layout(Family::tag36h11).square_cells(); }
 
 /// Angle between the middles of the image's left and right edges; as far as the lens model goes.
 double field_of(const CameraModel& camera) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/marker/marker_layout.h"
+
 namespace waymark {
 namespace {
 
@@ -21,20 +23,23 @@ constexpr double kGlue_mm = 10;
 /// A marker with the paper that belongs to it.
 struct Block {
   double size_mm;
-  double quiet_mm;  ///< a cell of white paper
+  double around_mm;  ///< from the square to the block's edge: what the marker has there, and paper
+  double paper_mm;   ///< a cell of it, white
 
-  [[nodiscard]] double width_mm() const { return size_mm + 2 * quiet_mm; }
+  [[nodiscard]] double width_mm() const { return size_mm + 2 * around_mm; }
   [[nodiscard]] double height_mm() const { return width_mm() + kNameStrip_mm; }
 };
 
 Block block_of(const MarkerBatch& batch) {
   const double size_mm = 1e3 * batch.size_m;
-  return {size_mm, size_mm / (traits(batch.family).code_cells + 2)};
+  const MarkerLayout& layout = marker_layout(batch.family);
+  const double cell_mm = size_mm / layout.square_cells();
+  return {size_mm, (layout.outside_cells() + 1) * cell_mm, cell_mm};
 }
 
 /// How many blocks stand side by side in a length, their black at least kEdge_mm from its ends.
-int fitting(double length_mm, double block_mm, double quiet_mm) {
-  const double usable = length_mm - 2 * std::max(0.0, kEdge_mm - quiet_mm);
+int fitting(double length_mm, double block_mm, double paper_mm) {
+  const double usable = length_mm - 2 * std::max(0.0, kEdge_mm - paper_mm);
   return static_cast<int>(std::floor(usable / block_mm + 1e-9));
 }
 
@@ -46,8 +51,8 @@ struct Grid {
 };
 
 Grid grid_on(const Paper& paper, const Block& block) {
-  return {fitting(paper.width_mm, block.width_mm(), block.quiet_mm),
-          fitting(paper.height_mm - kRulerStrip_mm, block.height_mm(), block.quiet_mm)};
+  return {fitting(paper.width_mm, block.width_mm(), block.paper_mm),
+          fitting(paper.height_mm - kRulerStrip_mm, block.height_mm(), block.paper_mm)};
 }
 
 void add_ruler(Sheet& sheet) {
@@ -113,10 +118,10 @@ void add_cut_marks(Sheet& sheet, const Box& box) {
 
 void add_block(Sheet& sheet, const MarkerBatch& batch, int number, const Block& block, double left,
                double top) {
-  const Box square{left + block.quiet_mm, top + block.quiet_mm, block.size_mm, block.size_mm};
+  const Box square{left + block.around_mm, top + block.around_mm, block.size_mm, block.size_mm};
   sheet.squares.push_back({{batch.family, number}, square, square});
   const double baseline = top + block.width_mm() + kText_mm + 1;
-  const double name_left = std::max(left + std::min(block.quiet_mm, 2.0), kEdge_mm);
+  const double name_left = std::max(left + std::min(block.around_mm, 2.0), kEdge_mm);
   add_name(sheet, name_left, baseline, left + block.width_mm() - name_left - 1,
            name_of_marker(batch, number));
   add_cut_marks(sheet, {left, top, block.width_mm(), block.height_mm()});
@@ -158,7 +163,7 @@ void lay_out_parts(const MarkerBatch& batch, int number, const Paper& paper,
       const double top = window.top_mm - row * (window.height_mm - kGlue_mm);
       sheet.squares.push_back(
           {{batch.family, number},
-           {left + block.quiet_mm, top + block.quiet_mm, block.size_mm, block.size_mm},
+           {left + block.around_mm, top + block.around_mm, block.size_mm, block.size_mm},
            window});
       add_cut_marks(sheet, window);
       add_name(sheet, window.left_mm, window.bottom_mm() + kText_mm + 2, window.width_mm,

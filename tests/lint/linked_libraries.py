@@ -10,8 +10,8 @@ import re
 import subprocess
 import sys
 
-# Windows, videos and image files: each start costs 70 MB and 0.1–0.2 s.
-FORBIDDEN = r"libopencv_(highgui|videoio|imgcodecs)|libgtk|libQt|libavcodec|libavformat"
+# Other detectors, windows, videos: each start costs 70 MB and 0.1–0.2 s, each installation 300 packages.
+FORBIDDEN = r"libopencv|libapriltag|libgtk|libQt|libavcodec|libavformat"
 
 
 def needed(program):

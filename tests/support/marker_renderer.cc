@@ -73,14 +73,15 @@ void add_marker(const CameraModel& camera, const RenderedMarker& marker,
                 const RenderOptions& options, int width_px, std::vector<double>& light) {
   const MarkerBits bits = marker_bits(marker.id);
   const CellProjector project(camera, marker, bits.cells);
-  const double quiet = marker.quiet_zone_cells;
-  const auto paper = project.outline(-quiet, -quiet, bits.cells + 2 * quiet);
+  const double around = bits.outside + marker.quiet_zone_cells;
+  const auto paper = project.outline(-around, -around, bits.cells + 2 * around);
   CoverageGrid grid(box_around(paper, 4 * options.psf_sigma_px + 2), kOversampling);
   grid.add(paper, marker.white - options.background);
-  grid.add(project.outline(0, 0, bits.cells), marker.black - marker.white);
-  for (int row = 0; row < bits.cells; ++row) {
-    for (int column = 0; column < bits.cells; ++column) {
-      if (bits.is_white(row, column)) {
+  const int first = -bits.outside;
+  grid.add(project.outline(first, first, bits.all_cells()), marker.black - marker.white);
+  for (int row = first; row < bits.cells + bits.outside; ++row) {
+    for (int column = first; column < bits.cells + bits.outside; ++column) {
+      if (bits.is_white(row, column) || bits.kind(row, column) == CellKind::nothing) {
         grid.add(project.outline(column, row, 1), marker.white - marker.black);
       }
     }

@@ -19,7 +19,7 @@ struct Print {
   double border_cells = 1;
   double margin_cells = 1;
   bool inverted = false;  ///< white on black
-  double side_px = 80;    ///< of the black square
+  double side_px = 80;    ///< of the marker's square
   double black = 35;
   double white = 215;
   double wall = 120;
@@ -41,16 +41,21 @@ inline void draw(const Print& print, int number, double x, double y, double angl
     const auto within = [&](double margin) {
       return right > -margin && right < all + margin && down > -margin && down < all + margin;
     };
-    if (!within(print.margin_cells)) return print.wall;
-    bool white = !within(0);
-    const int column = static_cast<int>(std::floor(right - print.border_cells));
-    const int row = static_cast<int>(std::floor(down - print.border_cells));
-    if (!white && row >= 0 && row < code && column >= 0 && column < code) {
-      white = bits.is_white(row + 1, column + 1);
+    if (!within(bits.outside + print.margin_cells)) return print.wall;
+    bool white = !within(bits.outside);
+    const int column = static_cast<int>(std::floor(right - print.border_cells)) + 1;
+    const int row = static_cast<int>(std::floor(down - print.border_cells)) + 1;
+    if (!white && std::min(row, column) >= -bits.outside &&
+        std::max(row, column) < bits.cells + bits.outside) {
+      const bool has_cell =
+          bits.outside > 0 || (std::min(row, column) >= 1 && std::max(row, column) <= code);
+      white =
+          (has_cell && bits.is_white(row, column)) || bits.kind(row, column) == CellKind::nothing;
     }
     return white != print.inverted ? print.white : print.black;
   };
-  const int reach = static_cast<int>(0.75 * (all + 2 * print.margin_cells) * cell_px) + 1;
+  const double whole = all + 2 * (bits.outside + print.margin_cells);
+  const int reach = static_cast<int>(0.75 * whole * cell_px) + 1;
   const auto from = [&](double middle) { return std::max(0, static_cast<int>(middle) - reach); };
   const auto to = [&](double middle, int size) {
     return std::min(size, static_cast<int>(middle) + reach);

@@ -38,5 +38,9 @@ done
 # Installing enables and starts nothing; only a removal that failed starts again what it has stopped.
 ! sed '/^abort-remove)/,/;;/d' control/postinst | grep -E 'systemctl (enable|start|restart)' || exit 1
 ! grep '/multi-user.target.wants/' files || exit 1
-# The vehicle needs neither video importers nor windows.
-! grep -E '(opencv-(videoio|highgui|imgcodecs)|libavcodec)' control/control || exit 1
+# The vehicle needs neither other detectors nor video importers, and the tools load theirs from packages of their own.
+! grep -E '(opencv|apriltag|libavcodec)' control/control || exit 1
+dpkg-deb -e waymark-tools_*.deb tools_control
+! grep -E '^Depends:.*(opencv|apriltag|libavcodec)' tools_control/control || exit 1
+dpkg-deb --fsys-tarfile waymark-referees_*.deb | tar -t | grep -qxF ./usr/lib/waymark/libwaymark_referees.so
+dpkg-deb --fsys-tarfile waymark-video_*.deb | tar -t | grep -qxF ./usr/lib/waymark/libwaymark_video.so

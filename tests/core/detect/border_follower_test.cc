@@ -21,9 +21,10 @@ class Picture {
         }
       }
     }
+    ContrastGates gates;
     TileThresholds thresholds;
-    thresholds.measure(image_.view());
-    dark_.find(image_.view(), thresholds);
+    thresholds.measure(image_.view(), gates);
+    dark_.find(image_.view(), thresholds, image_.width_px);
   }
 
   [[nodiscard]] std::vector<std::vector<Pixel>> borders() const {

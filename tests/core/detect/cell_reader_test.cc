@@ -30,7 +30,7 @@ TEST_F(CellReader, ReadsItsOwnMarkerWithoutError) {
   const auto reading = read_cells(image_.view(), corners_, marker_bits(marker_.id));
   ASSERT_TRUE(reading);
   EXPECT_EQ(reading->wrong_code_cells, 0);
-  EXPECT_EQ(reading->wrong_border_cells, 0);
+  EXPECT_EQ(reading->wrong_other_cells, 0);
   EXPECT_GT(reading->contrast_grey, 140);
 }
 
@@ -41,7 +41,7 @@ TEST_F(CellReader, CountsTheCellsOfAnotherMarker) {
   const auto reading = read_cells(image_.view(), corners_, other);
   ASSERT_TRUE(reading);
   EXPECT_EQ(reading->wrong_code_cells, 3);
-  EXPECT_EQ(reading->wrong_border_cells, 0);
+  EXPECT_EQ(reading->wrong_other_cells, 0);
 }
 
 TEST_F(CellReader, SeesAPaintedBorder) {
@@ -53,7 +53,7 @@ TEST_F(CellReader, SeesAPaintedBorder) {
   }
   const auto reading = read_cells(image_.view(), corners_, marker_bits(marker_.id));
   ASSERT_TRUE(reading);
-  EXPECT_GE(reading->wrong_border_cells, 1);
+  EXPECT_GE(reading->wrong_other_cells, 1);
 }
 
 TEST_F(CellReader, NothingOutsideTheImageOrOnALine) {

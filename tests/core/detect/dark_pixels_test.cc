@@ -8,10 +8,11 @@ namespace waymark {
 namespace {
 
 DarkPixels dark_pixels(const GrayImage& image) {
+  ContrastGates gates;
   TileThresholds thresholds;
-  thresholds.measure(image.view());
+  thresholds.measure(image.view(), gates);
   DarkPixels dark;
-  dark.find(image.view(), thresholds);
+  dark.find(image.view(), thresholds, image.width_px);
   return dark;
 }
 
@@ -74,13 +75,14 @@ TEST(DarkPixels, AtTheImagesEdgesHaveNothingOutside) {
 }
 
 TEST(DarkPixels, OfALargerImageDoNotStayInASmallerOnes) {
+  ContrastGates gates;
   TileThresholds thresholds;
   DarkPixels dark;
   for (const int size : {200, 70, 200}) {
     GrayImage image(size, size, 220);
     paint(image, 20, 20, 30, 30, 30);
-    thresholds.measure(image.view());
-    dark.find(image.view(), thresholds);
+    thresholds.measure(image.view(), gates);
+    dark.find(image.view(), thresholds, image.width_px);
     EXPECT_EQ(starts_of(dark).size(), 1U) << size;
   }
 }

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <random>
 
+#include "core/marker/marker_bits.h"
+#include "core/marker/marker_outline.h"
 #include "tests/support/allocation_count.h"
 #include "tests/support/corner_trials.h"
 
@@ -108,6 +111,92 @@ TEST_F(Markers, ThatTouchAtTheirCornersAreFoundBoth) {
   }
   EXPECT_GE(detector_.detect(board.view()).size(), 1U);
 }
+
+TEST_F(Markers, InWindowsThatHoldThemAreFoundAsInTheWholeImage) {
+  for (const double noise_grey : {2.0, 14.0}) {
+    const GrayImage seen = image(noise_grey);
+    const std::vector<Detection> all = detector_.detect(seen.view());
+    std::vector<ImageWindow> windows;
+    for (const Detection& detection : all) {
+      const Eigen::Vector2d middle = centre_of(detection.corners);
+      const int reach = static_cast<int>(mean_side_px(detection.corners)) + 12;
+      windows.push_back({static_cast<int>(middle.x()) - reach, static_cast<int>(middle.y()) - reach,
+                         2 * reach, 2 * reach});
+    }
+    const std::vector<Detection> found = detector_.detect(seen.view(), windows);
+    ASSERT_EQ(found.size(), all.size()) << noise_grey;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      EXPECT_EQ(found[i].marker, all[i].marker);
+      for (std::size_t k = 0; k < 4; ++k) {
+        EXPECT_LT((found[i].corners[k] - all[i].corners[k]).norm(), 0.3);
+      }
+    }
+  }
+}
+
+TEST_F(Markers, BesideTheWindowsAreNotLookedFor) {
+  const GrayImage seen = image();
+  const ImageWindow window{0, 0, 200, 200};
+  EXPECT_EQ(detector_.detect(seen.view(), {&window, 1}).size(), 1U);
+  const ImageWindow outside{900, -50, 20, 2000};
+  EXPECT_TRUE(detector_.detect(seen.view(), {&outside, 1}).empty());
+  EXPECT_EQ(detector_.failure(), "");
+}
+
+TEST_F(Markers, InOtherWindowsOfEveryImageNothingIsAllocated) {
+  const GrayImage seen = image();
+  const auto look = [&](int step) {
+    const std::array<ImageWindow, 2> windows{
+        {{step, step, 120 + step, 130}, {300 - step, 250, 150, 140 + 2 * step}}};
+    (void)detector_.detect(seen.view(), windows);
+  };
+  (void)detector_.detect(seen.view());
+  for (int step = 0; step < 60; ++step) look(step);
+  const long before = testing::allocations();
+  for (int step = 0; step < 60; ++step) look(step);
+  EXPECT_EQ(testing::allocations() - before, 0);
+}
+
+/// A family's marker, printed as the family draws it or inverted.
+class EveryPrint : public ::testing::TestWithParam<std::tuple<Family, bool>> {};
+
+TEST_P(EveryPrint, IsFoundUprightAndOnlyAsItIsPrinted) {
+  const auto [family, inverted] = GetParam();
+  const CameraModel camera = testing::trial_camera();
+  RenderedMarker marker;
+  marker.id = {family, traits(family).id_count / 2};
+  if (inverted) std::swap(marker.black, marker.white);
+  const double side_px = 6.0 * marker_layout(family).square_cells();
+  marker.cam_from_marker =
+      pose_seen_as(camera, MarkerView{{160, 160}, side_px, 0.5, 1.0, 0.7}, marker.size_m);
+  testing::RenderOptions options;
+  if (inverted) options.background = 60;
+  const GrayImage image = testing::render_markers(camera, {&marker, 1}, options);
+  DetectorOptions wanted;
+  if (inverted) wanted.inverted = {family};
+  const std::vector<Detection> found = OwnDetector({family}, wanted).detect(image.view());
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].marker, marker.id);
+  EXPECT_EQ(found[0].hamming, 0);
+  const ImageCorners truth = true_corners(camera, marker);
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_LT((found[0].corners[k] - truth[k]).norm(), 1.0);
+  DetectorOptions other;
+  if (!inverted) other.inverted = {family};
+  EXPECT_TRUE(OwnDetector({family}, other).detect(image.view()).empty());
+}
+
+std::vector<Family> families() {
+  std::vector<Family> all;
+  for (const FamilyTraits& family : all_families()) all.push_back(family.family);
+  return all;
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, EveryPrint,
+                         ::testing::Combine(::testing::ValuesIn(families()), ::testing::Bool()),
+                         [](const auto& info) {
+                           return std::string(name_of(std::get<0>(info.param))) +
+                                  (std::get<1>(info.param) ? "_inverted" : "");
+                         });
 
 TEST(OwnDetector, InAnyPixelsOfAnySizeItEndsAndFindsLittle) {
   std::mt19937 generator(21);

@@ -54,10 +54,11 @@ ImageCorners rectangle(double width, double height, double turn_rad) {
 }
 
 std::vector<ImageCorners> quads_in(const GrayImage& image, double min_side_px = 12) {
+  ContrastGates gates;
   TileThresholds thresholds;
-  thresholds.measure(image.view());
+  thresholds.measure(image.view(), gates);
   DarkPixels dark;
-  dark.find(image.view(), thresholds);
+  dark.find(image.view(), thresholds, image.width_px);
   BorderFollower follower;
   follower.begin(dark);
   std::vector<ImageCorners> quads;

@@ -36,8 +36,9 @@ int tiles_with_threshold(const TileThresholds& thresholds) {
 }
 
 TEST(TileThresholds, LieFiveEighthsUpBesideAnEdgeAndAreNoneElsewhere) {
+  ContrastGates gates;
   TileThresholds thresholds;
-  thresholds.measure(step_image(50, 200).view());
+  thresholds.measure(step_image(50, 200).view(), gates);
   EXPECT_EQ(thresholds.columns(), 16);
   EXPECT_EQ(thresholds.rows(), 12);
   for (const int x : {28, 31, 32, 35}) EXPECT_EQ(thresholds.at_pixel(x, 20), 144) << x;
@@ -46,10 +47,11 @@ TEST(TileThresholds, LieFiveEighthsUpBesideAnEdgeAndAreNoneElsewhere) {
 }
 
 TEST(TileThresholds, OfLessContrastThanTheGateThereAreNone) {
+  ContrastGates gates;
   TileThresholds thresholds;
-  thresholds.measure(step_image(100, 119).view());
+  thresholds.measure(step_image(100, 119).view(), gates);
   EXPECT_EQ(tiles_with_threshold(thresholds), 0);
-  thresholds.measure(step_image(100, 120).view());
+  thresholds.measure(step_image(100, 120).view(), gates);
   EXPECT_EQ(tiles_with_threshold(thresholds), 2 * 12);
 }
 
@@ -57,10 +59,11 @@ TEST(TileThresholds, NoiseAloneHasHardlyAny) {
   for (const double sigma : {2.0, 6.0}) {
     GrayImage image(400, 400, 120);
     add_noise(image, 0, sigma);
+    ContrastGates gates;
     TileThresholds thresholds;
-    thresholds.measure(image.view());
+    thresholds.measure(image.view(), gates);
     EXPECT_LT(tiles_with_threshold(thresholds), 10) << sigma;
-    EXPECT_GT(thresholds.gate_grey(), 6 * sigma);
+    EXPECT_GT(gates.gate_grey(), 6 * sigma);
   }
 }
 
@@ -69,21 +72,23 @@ TEST(TileThresholds, WhereAnImageIsDarkAndQuietLessContrastCounts) {
   for (int y = 0; y < 600; ++y) std::fill(image.row(y) + 120, image.row(y) + 600, 200);
   add_noise(image, 120, 8);
   for (int y = 100; y < 400; ++y) std::fill(image.row(y) + 40, image.row(y) + 100, 44);
+  ContrastGates gates;
   TileThresholds thresholds;
-  thresholds.measure(image.view());
-  EXPECT_GT(thresholds.gate_grey(), 44 - 20);
+  thresholds.measure(image.view(), gates);
+  EXPECT_GT(gates.gate_grey(), 44 - 20);
   EXPECT_EQ(thresholds.at_pixel(40, 120), 35);
 }
 
 TEST(TileThresholds, NarrowTilesAtTheEndAreMeasuredToo) {
   GrayImage image(13, 9, 50);
   for (int y = 0; y < 9; ++y) image.row(y)[12] = 200;
+  ContrastGates gates;
   TileThresholds thresholds;
-  thresholds.measure(image.view());
+  thresholds.measure(image.view(), gates);
   EXPECT_EQ(thresholds.columns(), 4);
   EXPECT_EQ(thresholds.rows(), 3);
   EXPECT_EQ(thresholds.at_pixel(12, 8), 144);
-  thresholds.measure(GrayImage(4, 4, 9).view());
+  thresholds.measure(GrayImage(4, 4, 9).view(), gates);
   EXPECT_EQ(tiles_with_threshold(thresholds), 0);
 }
 

@@ -276,13 +276,22 @@ TEST(MarkerCatalog, ManyRangesOfAllIdsTakeNoMoreThanASecondAndAMicrosecondPerByt
   }
 }
 
-TEST(MarkerCatalog, FamilyThatOnlyCsvBringsIsRefusedForImages) {
-  EXPECT_TRUE(check_found_in_images(parsed(kMixedSizes), "capture"));
-  const auto status = check_found_in_images(
-      parsed("[markers]\nfamily = \"tagstandard52h13\"\nsize_m = 0.1\n"), "capture");
-  ASSERT_FALSE(status);
-  EXPECT_EQ(status.error().kind, ErrorKind::bad_data);
-  EXPECT_THAT(status.error().message, HasSubstr("capture: markers of family tagstandard52h13"));
+TEST(MarkerCatalog, InvertedPrintsAreSeenLight) {
+  const MarkerCatalog catalog = parsed(
+      "[[markers]]\nfamily = \"tag36h11\"\nsize_m = 0.1\ninverted = true\n"
+      "[[markers]]\nfamily = \"tag25h9\"\nsize_m = 0.1\n"
+      "[[markers]]\nfamily = \"tagStandard41h12\"\nsize_m = 0.1\n");
+  EXPECT_TRUE(catalog.shows_light_squares(Family::tag36h11));
+  EXPECT_FALSE(catalog.shows_light_squares(Family::tag25h9));
+  EXPECT_TRUE(catalog.shows_light_squares(Family::tagstandard41h12));
+  EXPECT_FALSE(catalog.shows_light_squares(Family::tag16h5)) << "is not in the catalog";
+  const MarkerCatalog again = parsed(format_marker_catalog(catalog));
+  EXPECT_TRUE(again.shows_light_squares(Family::tag36h11));
+  EXPECT_EQ(again.fingerprint(), catalog.fingerprint());
+  const auto text = parse_marker_catalog(
+      "[markers]\nfamily = \"tag36h11\"\nsize_m = 0.1\ninverted = 1\n", "markers.toml");
+  ASSERT_FALSE(text);
+  EXPECT_THAT(text.error().message, HasSubstr("line 4"));
 }
 
 TEST(MarkerCatalog, AbsentFileIsNoInput) {

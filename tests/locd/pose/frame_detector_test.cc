@@ -88,9 +88,7 @@ TEST(FrameDetector, WorkersRunAtLocalizationsPriorityWhereTheSystemPermitsIt) {
 
 TEST(FrameDetector, WithoutFamiliesOnlyDetectionsThatComeAreThere) {
   const Rig rig = test::ring_rig(2);
-  MarkerCatalog::FamilyEntry unseen;
-  unseen.family = Family::tagstandard52h13;
-  FrameDetector detector(rig, MarkerCatalog({unseen}), 2);
+  FrameDetector detector(rig, MarkerCatalog(), 2);
   const Images images(rig);
   FrameSetLease set = images.set();
   ImageDetections given;
@@ -107,7 +105,7 @@ TEST(FrameDetector, AnImageThatTheLibraryFailsOnIsToldAndOthersAreSearched) {
   const Images images(rig);
   FrameSetLease set = images.set();
   GrayView torn = set.frames[1].image();
-  torn.stride_bytes = 1;  // rows that overlap, at which OpenCV refuses to look
+  torn.stride_bytes = 1;  // rows that overlap
   set.frames[1] = Frame(FrameInfo{}, torn, nullptr, nullptr, 0);
   detector.detect(set, 0b11);
   EXPECT_EQ(detector.searched(), 0b11U);
@@ -123,7 +121,7 @@ std::ptrdiff_t threads() {
   return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
 }
 
-TEST(FrameDetector, TheLibraryMakesNoThreadsOfItsOwn) {
+TEST(FrameDetector, DetectorsMakeNoThreadsOfTheirOwn) {
   const Rig rig = test::ring_rig(2);
   const std::ptrdiff_t before = threads();
   FrameDetector detector(rig, tags(), 2);

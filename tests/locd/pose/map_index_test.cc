@@ -43,6 +43,14 @@ TEST(MapIndex, DetectorsLookForAllIdsWithTheMostFrequentSize) {
   EXPECT_EQ(catalog.size_m({Family::tag36h11, 3}), 0.12);
   EXPECT_EQ(catalog.size_m({Family::tag36h11, 99}), 0.12) << "an id that the map lacks";
   EXPECT_FALSE(catalog.size_m({Family::tag25h9, 3}));
+  EXPECT_TRUE(inverted_families(catalog).empty());
+}
+
+TEST(MapIndex, DetectorsLookForInvertedPrintsWhereTheseAreStated) {
+  const std::vector<Family> inverted{Family::tag36h11, Family::tag16h5};
+  const MarkerCatalog catalog = MapIndex(test::small_map()).catalog(inverted);
+  EXPECT_TRUE(catalog.shows_light_squares(Family::tag36h11));
+  EXPECT_EQ(inverted_families(catalog), std::vector{Family::tag36h11});
 }
 
 }  // namespace

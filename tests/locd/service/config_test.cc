@@ -283,7 +283,9 @@ TEST_P(RangedKeys, AreHeldToTheRangeOfWhatTheySet) {
   for (const double value : {range.low, range.high}) {
     const auto config = with(value);
     ASSERT_TRUE(config) << config.error().message;
-    EXPECT_TRUE(localizer_options(*config).check()) << value;
+    Setup setup;
+    setup.config = *config;
+    EXPECT_TRUE(localizer_options(setup).check()) << value;
     EXPECT_TRUE(sync_options(*config).check()) << value;
   }
   const double below = whole() ? 1 : 0.001 * std::abs(range.low) + 1e-6;

@@ -156,15 +156,6 @@ TEST_F(DaemonTest, ABadReloadIsRefusedWholeAndSaid) {
       {"unknown key",
        [&](auto& tmp) { tmp.write("locd.toml", good_config + "[solve]\nfast = true\n"); },
        "unknown key \"fast\""},
-      {"map that no camera can see",
-       [](auto& tmp) {
-         MarkerMap map = test::small_map();
-         for (SubMap& submap : map.submaps) {
-           for (MapMarker& marker : submap.markers) marker.id.family = Family::tagstandard52h13;
-         }
-         EXPECT_TRUE(write_map_file(tmp.path() / "hall.map", map));
-       },
-       "tagstandard52h13"},
       {"endless key",
        [&](auto& tmp) {
          tmp.write("locd.toml", good_config + "[solve]\n" + std::string(140'000, 'k') + " = 1\n");
@@ -198,16 +189,6 @@ TEST_F(DaemonTest, ABadReloadIsRefusedWholeAndSaid) {
   reload();
   turn_for(seconds(2));
   EXPECT_EQ(statuses_.back().reload_refused, "");
-}
-
-TEST_F(DaemonTest, AMapWithSomeMarkersThatNoCameraSeesIsUsed) {
-  MarkerMap mixed = test::small_map();
-  mixed.submaps[0].markers.back().id = {Family::tagstandard52h13, 40'000};
-  start();
-  ASSERT_TRUE(write_map_file(tmp_.path() / "hall.map", mixed));
-  reload();
-  ASSERT_TRUE(
-      turn_until([&] { return !poses_.empty() && poses_.back().map_hash == content_hash(mixed); }));
 }
 
 TEST_F(DaemonTest, YawIsToldWhereTheMapSaysThatItsZIsUp) {

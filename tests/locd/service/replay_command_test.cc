@@ -70,21 +70,6 @@ TEST_F(ReplayCommand, AStopEndsItWithWhatThereIs) {
   EXPECT_EQ(out_.str(), "0 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 0 LOST\n");
 }
 
-/// The same map of markers that images don't show.
-MarkerMap of_other_family(MarkerMap map) {
-  for (SubMap& submap : map.submaps) {
-    for (MapMarker& marker : submap.markers) marker.id.family = Family::tagstandard52h13;
-  }
-  return map;
-}
-
-TEST_F(ReplayCommand, AMapOfMarkersThatImagesDontShowServesDetections) {
-  ASSERT_TRUE(write_map_file(folder_.path() / "room.map", of_other_family(test::room_map(room_))));
-  const auto status = run("a.tum");
-  ASSERT_TRUE(status) << status.error().message;
-  EXPECT_THAT(out_.str(), HasSubstr("60 frame sets: 0 OK, 0 DEGRADED, 0 AMBIGUOUS, 60 LOST\n"));
-}
-
 TEST_F(ReplayCommand, ARigWithoutTransformsIsRefused) {
   std::string rig = folder_.read("rig.yaml");
   for (std::size_t at = 0; (at = rig.find("  T_c")) != std::string::npos;) {

@@ -223,6 +223,8 @@ TEST_F(InputFindings, NothingIsSaidOfSoundPrints) {
   for (const FamilyTraits& family : all_families()) {
     Print print;
     print.family = family.family;
+    const MarkerLayout& layout = marker_layout(family.family);
+    print.side_px *= static_cast<double>(layout.square_cells()) / layout.all_cells();
     const auto findings = find(std::string(family.name), {{print}, {print}});
     EXPECT_TRUE(findings.empty()) << family.name << ": " << one_line(findings[0]);
     EXPECT_EQ(markers_found, 16U * kImages) << family.name;

@@ -81,18 +81,6 @@ TEST_F(DetectCapture, EveryEngineFindsTheMarkersThatItKnows) {
   }
 }
 
-TEST(ImageDetectorOptionsOf, AnEngineThatDoesNotKnowAFamilyIsRefused) {
-  const MarkerCatalog catalog(
-      {{Family::tag36h11, 0.1, {}, {}}, {Family::aruco_4x4_50, 0.1, {}, {}}});
-  const auto own = image_detector_options(catalog, DetectorEngine::own, "x");
-  ASSERT_TRUE(own);
-  EXPECT_EQ(own->detector.engine, DetectorEngine::own);
-  const auto unknown = image_detector_options(catalog, DetectorEngine::apriltag, "x");
-  ASSERT_FALSE(unknown);
-  EXPECT_EQ(unknown.error().kind, ErrorKind::usage);
-  EXPECT_THAT(unknown.error().message, HasSubstr("aruco_4x4_50"));
-}
-
 TEST_F(DetectCapture, OneBadImageIsSkippedAndCounted) {
   add_image("10.png");
   folder_.write("cam0/20.png", folder_.read("cam0/10.png").substr(0, 500));

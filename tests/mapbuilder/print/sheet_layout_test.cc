@@ -13,11 +13,13 @@ MarkerBatch batch(int markers, double size_m, Family family = Family::tag36h11) 
   return batch;
 }
 
-/// The paper that belongs to a marker: a white cell on every side.
+/// The paper that belongs to a marker: a white cell on every side of it.
 Box with_margin(const PrintedSquare& printed) {
-  const double cell = printed.square.width_mm / (traits(printed.id.family).code_cells + 2);
-  return {printed.square.left_mm - cell, printed.square.top_mm - cell,
-          printed.square.width_mm + 2 * cell, printed.square.height_mm + 2 * cell};
+  const MarkerLayout& layout = marker_layout(printed.id.family);
+  const double cell = printed.square.width_mm / layout.square_cells();
+  const double around = (layout.outside_cells() + 1) * cell;
+  return {printed.square.left_mm - around, printed.square.top_mm - around,
+          printed.square.width_mm + 2 * around, printed.square.height_mm + 2 * around};
 }
 
 bool overlap(const Box& a, const Box& b) {

@@ -1,47 +1,34 @@
-#include "core/detect/aruco_detector.h"
+#include "mapbuilder/referees/aruco_detector.h"
 
 #include <algorithm>
-#include <cmath>
 #include <opencv2/aruco.hpp>
 
-#include "core/detect/cell_reader.h"
+#include "core/detect/code_table.h"
+#include "core/marker/marker_codes.h"
+#include "core/marker/marker_layout.h"
 #include "core/marker/marker_outline.h"
-#include "core/marker/opencv_dictionary.h"
+#include "mapbuilder/referees/opencv_dictionary.h"
 
 namespace waymark {
 namespace {
 
-/// Chance that random cells decode as some marker of the family, any way up, with up to
-/// `corrected` wrong bits.
-double random_acceptance(const FamilyTraits& family, int corrected) {
-  const int bits = family.code_cells * family.code_cells;
-  double patterns = 1;
-  double combinations = 1;
-  for (int wrong = 1; wrong <= corrected; ++wrong) {
-    combinations *= static_cast<double>(bits - wrong + 1) / wrong;
-    patterns += combinations;
+/// The dictionary of a family that OpenCV lacks.
+cv::Ptr<cv::aruco::Dictionary> made_dictionary(Family family) {
+  auto dictionary = cv::makePtr<cv::aruco::Dictionary>();
+  dictionary->markerSize = marker_layout(family).square_cells() - 2;
+  cv::Mat cells(dictionary->markerSize, dictionary->markerSize, CV_8UC1);
+  for (int number = 0; number < traits(family).id_count; ++number) {
+    const std::uint64_t code = marker_code({family, number});
+    for (int i = 0; i < traits(family).code_bits; ++i) cells.data[i] = code >> i & 1U;
+    dictionary->bytesList.push_back(cv::aruco::Dictionary::getByteListFromBits(cells));
   }
-  return 4.0 * family.id_count * patterns / std::exp2(bits);
-}
-
-/// Bits that the distance between the family's codes lets correct without mistaking one for
-/// another.
-int bits_within_half_distance(Family family, const cv::aruco::Dictionary& dictionary) {
-  switch (family) {
-    case Family::tag16h5:
-      return 2;
-    case Family::tag25h9:
-    case Family::tag36h10:
-      return 4;
-    case Family::tag36h11:
-      return 5;
-    default:
-      return dictionary.maxCorrectionBits;
-  }
+  return dictionary;
 }
 
 cv::Ptr<cv::aruco::Dictionary> correcting_dictionary(Family family) {
-  auto dictionary = cv::aruco::getPredefinedDictionary(opencv_dictionary(family));
+  auto dictionary = is_in_opencv(family)
+                        ? cv::aruco::getPredefinedDictionary(opencv_dictionary(family))
+                        : made_dictionary(family);
   dictionary->maxCorrectionBits = correctable_bits(family);
   return dictionary;
 }
@@ -75,19 +62,7 @@ void add_reading(const Detection& reading, std::vector<Detection>& detections) {
 
 }  // namespace
 
-int correctable_bits(Family family) {
-  constexpr double kMaxRandomAcceptance = 1e-3;
-  const auto dictionary = cv::aruco::getPredefinedDictionary(opencv_dictionary(family));
-  int corrected = bits_within_half_distance(family, *dictionary);
-  while (corrected > 0 && random_acceptance(traits(family), corrected) > kMaxRandomAcceptance) {
-    --corrected;
-  }
-  return corrected;
-}
-
 struct ArucoDetector::Implementation {
-  explicit Implementation(const std::vector<Family>& families) : bits(families) {}
-
   struct FamilyPass {
     Family family;
     cv::Ptr<cv::aruco::Dictionary> dictionary;
@@ -95,21 +70,22 @@ struct ArucoDetector::Implementation {
   std::vector<FamilyPass> passes;
   cv::Ptr<cv::aruco::DetectorParameters> parameters = cv::aruco::DetectorParameters::create();
   double min_side_px = 0;
-  MarkerBitsTable bits;
   // Kept from image to image for their memory.
   std::vector<std::vector<cv::Point2f>> quads;
   std::vector<int> numbers;
   std::vector<Detection> detections;
 };
 
-ArucoDetector::ArucoDetector(const std::vector<Family>& families, const DetectorOptions& options)
-    : implementation_(std::make_unique<Implementation>(families)) {
+ArucoDetector::ArucoDetector(const std::vector<Family>& families, double min_side_px)
+    : implementation_(std::make_unique<Implementation>()) {
+  // Detectors run in threads of their own, one image each.
+  cv::setNumThreads(1);
   // OpenCV prints what it throws, beside the one line that we make of it.
   cv::redirectError([](int, const char*, const char*, const char*, int, void*) { return 0; });
   for (const Family family : families) {
     implementation_->passes.push_back({family, correcting_dictionary(family)});
   }
-  implementation_->min_side_px = options.min_side_px;
+  implementation_->min_side_px = min_side_px;
   cv::aruco::DetectorParameters& p = *implementation_->parameters;
   p.errorCorrectionRate = 1.0;  // of the dictionary's maxCorrectionBits, set above
   p.cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
@@ -123,7 +99,8 @@ ArucoDetector::ArucoDetector(const std::vector<Family>& families, const Detector
 
 ArucoDetector::~ArucoDetector() = default;
 
-const std::vector<Detection>& ArucoDetector::find(const GrayView& image) {
+const std::vector<Detection>& ArucoDetector::find(const GrayView& image,
+                                                  std::span<const ImageWindow>) {
   std::vector<Detection>& detections = implementation_->detections;
   std::vector<std::vector<cv::Point2f>>& quads = implementation_->quads;
   std::vector<int>& numbers = implementation_->numbers;
@@ -142,9 +119,6 @@ const std::vector<Detection>& ArucoDetector::find(const GrayView& image) {
       Detection detection;
       detection.marker = {pass.family, numbers[i]};
       detection.corners = upright_corners(pass.family, quads[i]);
-      const auto reading =
-          read_cells(image, detection.corners, implementation_->bits.of(detection.marker));
-      if (reading) detection.hamming = reading->wrong_code_cells;
       add_reading(detection, detections);
     }
   }

@@ -1,39 +1,15 @@
-#include "core/detect/apriltag_detector.h"
+#include "mapbuilder/referees/apriltag_detector.h"
 
 #include <apriltag/apriltag.h>
-#include <apriltag/tag16h5.h>
-#include <apriltag/tag25h9.h>
-#include <apriltag/tag36h10.h>
-#include <apriltag/tag36h11.h>
 
 #include <algorithm>
 
 #include "core/base/check.h"
-#include "core/detect/aruco_detector.h"
+#include "core/detect/code_table.h"
+#include "mapbuilder/referees/apriltag_family.h"
 
 namespace waymark {
 namespace {
-
-struct LibraryFamily {
-  Family family;
-  apriltag_family_t* (*create)();
-  void (*destroy)(apriltag_family_t*);
-};
-
-constexpr LibraryFamily kLibraryFamilies[] = {
-    {Family::tag16h5, tag16h5_create, tag16h5_destroy},
-    {Family::tag25h9, tag25h9_create, tag25h9_destroy},
-    {Family::tag36h10, tag36h10_create, tag36h10_destroy},
-    {Family::tag36h11, tag36h11_create, tag36h11_destroy},
-};
-
-const LibraryFamily& library_family(Family family) {
-  const auto* found =
-      std::find_if(std::begin(kLibraryFamilies), std::end(kLibraryFamilies),
-                   [&](const LibraryFamily& candidate) { return candidate.family == family; });
-  WAYMARK_CHECK(found != std::end(kLibraryFamilies));
-  return *found;
-}
 
 /// libapriltag goes bottom-left, bottom-right, top-right, top-left, and has the first pixel's
 /// centre at (0.5, 0.5).
@@ -45,11 +21,18 @@ ImageCorners corners_of(const apriltag_detection_t& found) {
   return corners;
 }
 
+/// libapriltag's tables grow with every bit and every id: two bits of tagStandard52h13 are 3 GB.
+int corrected_bits(Family family) {
+  constexpr int kMostBits = 2;
+  constexpr int kManyIds = 10'000;
+  return traits(family).id_count > kManyIds ? 0 : std::min(kMostBits, correctable_bits(family));
+}
+
 }  // namespace
 
 struct ApriltagDetector::Implementation {
   struct AddedFamily {
-    Family family;
+    const ApriltagFamily* family;
     apriltag_family_t* tags;
   };
   apriltag_detector_t* detector = apriltag_detector_create();
@@ -59,25 +42,24 @@ struct ApriltagDetector::Implementation {
 
   [[nodiscard]] Family family_of(const apriltag_detection_t& found) const {
     for (const AddedFamily& added : families) {
-      if (added.tags == found.family) return added.family;
+      if (added.tags == found.family) return added.family->family;
     }
     WAYMARK_CHECK(false);
     return Family::tag36h11;
   }
 };
 
-ApriltagDetector::ApriltagDetector(const std::vector<Family>& families,
-                                   const DetectorOptions& options)
+ApriltagDetector::ApriltagDetector(const std::vector<Family>& families, double min_side_px)
     : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
-  constexpr int kMaxCorrectedBits = 2;
   for (const Family family : families) {
-    apriltag_family_t* tags = library_family(family).create();
-    apriltag_detector_add_family_bits(self.detector, tags,
-                                      std::min(kMaxCorrectedBits, correctable_bits(family)));
-    self.families.push_back({family, tags});
+    const ApriltagFamily* const known = apriltag_family(family);
+    WAYMARK_CHECK(known != nullptr);
+    apriltag_family_t* tags = known->create();
+    apriltag_detector_add_family_bits(self.detector, tags, corrected_bits(family));
+    self.families.push_back({known, tags});
   }
-  self.min_side_px = options.min_side_px;
+  self.min_side_px = min_side_px;
   self.detector->nthreads = 1;
   self.detector->quad_decimate = 1;
   self.detector->refine_edges = false;
@@ -85,12 +67,11 @@ ApriltagDetector::ApriltagDetector(const std::vector<Family>& families,
 
 ApriltagDetector::~ApriltagDetector() {
   apriltag_detector_destroy(implementation_->detector);
-  for (const auto& added : implementation_->families) {
-    library_family(added.family).destroy(added.tags);
-  }
+  for (const auto& added : implementation_->families) added.family->destroy(added.tags);
 }
 
-const std::vector<Detection>& ApriltagDetector::find(const GrayView& image) {
+const std::vector<Detection>& ApriltagDetector::find(const GrayView& image,
+                                                     std::span<const ImageWindow>) {
   std::vector<Detection>& detections = implementation_->detections;
   detections.clear();
   const double min_side_px = implementation_->min_side_px;
