@@ -19,6 +19,7 @@ constexpr double kSigmas = 3;
 constexpr double kLeastReach_px = 6;
 /// Where windows are so much of an image, looking at all of it costs no more.
 constexpr double kMostShare = 0.5;
+constexpr std::size_t kMostWindows = 256;
 
 double focal_px(const CameraModel& camera) {
   return std::max(camera.parameters().fu_px, camera.parameters().fv_px);
@@ -51,6 +52,10 @@ ExpectedWindows::ExpectedWindows(const Rig& rig, const MapIndex& map) : rig_(rig
   for (std::size_t i = 0; i < map.size(); ++i) {
     const Rigid3& pose = map.marker(i).world_from_marker;
     places_.push_back({pose, pose.rotation * Eigen::Vector3d::UnitZ(), map.marker(i).size_m});
+  }
+  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
+    windows_[c].reserve(2 * kMostWindows);
+    seen_[c].reserve(kMostWindows);
   }
 }
 
@@ -91,6 +96,7 @@ void ExpectedWindows::predict_camera(std::size_t camera, const MotionPrediction&
   std::vector<ImageWindow>& windows = windows_[camera];
   const double focal = focal_px(one.model);
   for (const Place& place : places_) {
+    if (windows.size() > kMostWindows) break;
     const Eigen::Vector3d to_camera =
         world_from_cam.translation - place.world_from_marker.translation;
     const double distance2 = to_camera.squaredNorm();
@@ -104,7 +110,8 @@ void ExpectedWindows::predict_camera(std::size_t camera, const MotionPrediction&
   long area = 0;
   for (const ImageWindow& window : windows) area += window.area_px2();
   const CameraParameters& p = one.model.parameters();
-  if (static_cast<double>(area) > kMostShare * p.width_px * p.height_px) windows.clear();
+  const double most = kMostShare * p.width_px * p.height_px;
+  if (windows.size() > kMostWindows || static_cast<double>(area) > most) windows.clear();
 }
 
 void ExpectedWindows::predict(const std::optional<MotionPrediction>& prediction) {
@@ -119,7 +126,7 @@ void ExpectedWindows::predict(const std::optional<MotionPrediction>& prediction)
 
 void ExpectedWindows::remember(std::size_t camera, std::span<const Detection> detections) {
   seen_[camera].clear();
-  for (const Detection& one : detections) {
+  for (const Detection& one : detections.first(std::min(detections.size(), kMostWindows))) {
     seen_[camera].push_back({one.marker, one.corners, kSeenReach_px});
   }
 }

@@ -18,7 +18,7 @@ namespace waymark {
 /// the map that a camera sees from where the rig is predicted, as far around as the prediction may
 /// be off, and whatever else was seen in the camera's last image. By turns each camera's image is
 /// searched as a whole, one of kTurns: what nobody expects is found within as many sets. Allocates
-/// nothing after the first sets.
+/// nothing after it was made.
 class ExpectedWindows {
  public:
   /// Of so many images a camera's, one is searched as a whole.

@@ -16,7 +16,7 @@ namespace waymark {
 
 /// From frame sets to poses that can be trusted: finds markers in all cameras, solves for the rig
 /// against the fixed map, judges the result, and watches map, cameras and images over time. One
-/// thread calls it. After some sets it allocates nothing but what the detector's libraries do.
+/// thread calls it. After some sets it allocates nothing.
 /// Reloading: make another one aside and swap; it knows no prior, velocity or statistics, and no
 /// images but by remember_images_of().
 class Localizer {
