@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <map>
+#include <mutex>
 
 #include "core/base/check.h"
 #include "core/marker/marker_codes.h"
@@ -153,10 +155,23 @@ CodeTable::Codes CodeTable::codes_of(Family family) {
   return codes;
 }
 
+/// A family of 50,000 ids takes 10 MB: once, however many cameras look for it.
+std::shared_ptr<const CodeTable::Codes> CodeTable::shared_codes(Family family) {
+  static std::mutex mutex;
+  static std::map<Family, std::weak_ptr<const Codes>> made;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<const Codes> codes = made[family].lock();
+  if (!codes) {
+    codes = std::make_shared<const Codes>(codes_of(family));
+    made[family] = codes;
+  }
+  return codes;
+}
+
 CodeTable::CodeTable(std::span<const Family> families) {
   for (const Family family : families) {
-    families_.push_back(codes_of(family));
-    const MarkerLayout* const layout = families_.back().layout;
+    families_.push_back(shared_codes(family));
+    const MarkerLayout* const layout = families_.back()->layout;
     const bool known = std::any_of(layouts_.begin(), layouts_.end(),
                                    [&](const MarkerLayout* one) { return *one == *layout; });
     if (!known) layouts_.push_back(layout);
@@ -182,16 +197,16 @@ void CodeTable::look(const Piece& piece, std::uint64_t code, std::uint64_t value
 
 void CodeTable::find(const MarkerLayout& layout, std::uint64_t code,
                      std::vector<CodeMatch>& matches) const {
-  for (const Codes& family : families_) {
-    if (family.layout != &layout && *family.layout != layout) continue;
-    Nearest nearest{family.corrected};
-    for (const Piece& piece : family.pieces) {
+  for (const auto& family : families_) {
+    if (family->layout != &layout && *family->layout != layout) continue;
+    Nearest nearest{family->corrected};
+    for (const Piece& piece : family->pieces) {
       look(piece, code, piece.value_in(code), 0, piece.flipped, nearest);
     }
     if (!nearest.any) continue;
     const auto number = static_cast<int>(nearest.place / 4);
     const auto turn = static_cast<int>((4 - nearest.place % 4) % 4);
-    matches.push_back({{family.family, number}, nearest.wrong_bits, turn});
+    matches.push_back({{family->family, number}, nearest.wrong_bits, turn});
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -26,7 +27,7 @@ struct CodeMatch {
 /// corrected, and pieces that are searched with r₁, r₂ … flipped bits each, every code that is near
 /// enough is met where Σ (rᵢ + 1) > c (Norouzi, Punjani and Fleet, "Fast search in Hamming space
 /// with multi-index hashing", CVPR 2012). Looking one up takes some hundred comparisons at most,
-/// whether a family has 30 codes or 65,535.
+/// whether a family has 30 codes or 65,535. Tables that are there at a time share what they hold.
 class CodeTable {
  public:
   explicit CodeTable(std::span<const Family> families);
@@ -60,10 +61,11 @@ class CodeTable {
   };
   struct Nearest;
   [[nodiscard]] static Codes codes_of(Family family);
+  [[nodiscard]] static std::shared_ptr<const Codes> shared_codes(Family family);
   static void look(const Piece& piece, std::uint64_t code, std::uint64_t value, int from, int flips,
                    Nearest& nearest);
 
-  std::vector<Codes> families_;
+  std::vector<std::shared_ptr<const Codes>> families_;
   std::vector<const MarkerLayout*> layouts_;
 };
 
