@@ -179,7 +179,7 @@ CodeTable::CodeTable(std::span<const Family> families) {
 }
 
 /// Looks at the codes whose piece has the value, and with up to `flips` of its bits from `from` on
-/// flipped.
+/// flipped, until one is found.
 void CodeTable::look(const Piece& piece, std::uint64_t code, std::uint64_t value, int from,
                      int flips, Nearest& nearest) {
   const std::size_t bucket = piece.bucket(value);
@@ -190,7 +190,7 @@ void CodeTable::look(const Piece& piece, std::uint64_t code, std::uint64_t value
     nearest = {wrong, piece.places[i], true};
   }
   if (flips == 0) return;
-  for (int bit = from; bit < piece.length; ++bit) {
+  for (int bit = from; bit < piece.length && !nearest.any; ++bit) {
     look(piece, code, value ^ std::uint64_t{1} << bit, bit + 1, flips - 1, nearest);
   }
 }
@@ -200,8 +200,14 @@ void CodeTable::find(const MarkerLayout& layout, std::uint64_t code,
   for (const auto& family : families_) {
     if (family->layout != &layout && *family->layout != layout) continue;
     Nearest nearest{family->corrected};
-    for (const Piece& piece : family->pieces) {
-      look(piece, code, piece.value_in(code), 0, piece.flipped, nearest);
+    // No two codes are both near enough: the first that is found is the nearest. Most markers have
+    // a piece without wrong bits.
+    for (const bool with_flips : {false, true}) {
+      for (const Piece& piece : family->pieces) {
+        if (nearest.any) break;
+        const int flips = with_flips ? piece.flipped : 0;
+        look(piece, code, piece.value_in(code), 0, flips, nearest);
+      }
     }
     if (!nearest.any) continue;
     const auto number = static_cast<int>(nearest.place / 4);
