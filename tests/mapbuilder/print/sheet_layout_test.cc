@@ -4,6 +4,8 @@
 
 #include <set>
 
+#include "core/marker/marker_layout.h"
+
 namespace waymark {
 namespace {
 
