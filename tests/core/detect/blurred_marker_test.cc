@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "tests/support/numeric_jacobian.h"
 
@@ -11,7 +13,11 @@ namespace {
 
 /// Two black cells, a white one and a black one in each row but the first, which is black.
 MarkerBits striped() {
-  MarkerBits bits{4, std::vector<std::uint8_t>(16, 0)};
+  static const std::array<std::string_view, 4> kPicture = {"....", "..#.", "..#.", "..#."};
+  static const MarkerLayout kLayout(kPicture, 4);
+  MarkerBits bits;
+  bits.layout = &kLayout;
+  bits.cells = 4;
   for (int row = 1; row < 4; ++row) bits.white[bits.index(row, 2)] = 1;
   return bits;
 }
