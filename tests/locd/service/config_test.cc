@@ -283,7 +283,7 @@ TEST_P(RangedKeys, AreHeldToTheRangeOfWhatTheySet) {
   for (const double value : {range.low, range.high}) {
     const auto config = with(value);
     ASSERT_TRUE(config) << config.error().message;
-    Setup setup;
+    waymark::Setup setup;
     setup.config = *config;
     EXPECT_TRUE(localizer_options(setup).check()) << value;
     EXPECT_TRUE(sync_options(*config).check()) << value;
