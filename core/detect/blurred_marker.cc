@@ -44,18 +44,30 @@ Term step(const AxisView& axis, double edge, double shift_px) {
           per_px / axis.cells_per_px, at_far.slope - at_near.slope, per_px};
 }
 
-/// What an axis shows at one place: the edges within reach of the blur, how much of each cell
-/// between them, and each edge's step with white on its far side, and on its near side, grown.
-class AxisSteps {
- public:
-  AxisSteps(const AxisView& axis, std::size_t across, double growth_px) {
+/// Which of an axis's edges lie within reach of the blur at one place: [first, first + edges).
+struct EdgesInReach {
+  EdgesInReach(const AxisView& axis, std::size_t across, double growth_px) {
     const double reach = (kHalfPixel + GaussianTable::kReach * axis.blur_px + std::abs(growth_px)) *
                          axis.cells_per_px;
     const auto last_edge = static_cast<double>(across - 2);
-    first_ =
-        static_cast<std::size_t>(std::clamp(std::ceil(axis.place - reach), 0.0, last_edge + 1));
+    first = static_cast<std::size_t>(std::clamp(std::ceil(axis.place - reach), 0.0, last_edge + 1));
     const double last = std::clamp(std::floor(axis.place + reach), -1.0, last_edge);
-    edges_ = static_cast<std::size_t>(std::max(0.0, last + 1 - static_cast<double>(first_)));
+    edges = static_cast<std::size_t>(std::max(0.0, last + 1 - static_cast<double>(first)));
+  }
+
+  /// Of the cells that are seen: one more than edges.
+  [[nodiscard]] std::size_t end() const { return first + edges + 1; }
+
+  std::size_t first = 0;
+  std::size_t edges = 0;
+};
+
+/// What an axis shows at one place: how much of each cell between the edges in reach, and each
+/// edge's step with white on its far side, and on its near side, grown.
+class AxisSteps {
+ public:
+  AxisSteps(const AxisView& axis, const EdgesInReach& reach, double growth_px)
+      : first_(reach.first), edges_(reach.edges) {
     shares_[0] = {1, 0, 0, 0};
     for (std::size_t i = 0; i < edges_; ++i) {
       const auto edge = static_cast<double>(first_ + i);
@@ -116,10 +128,39 @@ BlurredMarker::BlurredMarker(const MarkerBits& bits)
   }
 }
 
+bool BlurredMarker::is_of_one_colour(std::size_t first_row, std::size_t end_row,
+                                     std::size_t first_column, std::size_t end_column) const {
+  const double first = cell(first_row, first_column);
+  for (std::size_t row = first_row; row < end_row; ++row) {
+    for (std::size_t column = first_column; column < end_column; ++column) {
+      if (cell(row, column) != first) return false;
+    }
+  }
+  return true;
+}
+
+bool BlurredMarker::has_edge_near(const Eigen::Vector2d& place, double reach) const {
+  const auto index = [&](double cells) {
+    const double last = static_cast<double>(across_) - 1;
+    return static_cast<std::size_t>(std::clamp(std::floor(cells) + 1, 0.0, last));
+  };
+  const std::array<std::size_t, 2> columns{index(place.x() - reach), index(place.x() + reach)};
+  const std::array<std::size_t, 2> rows{index(place.y() - reach), index(place.y() + reach)};
+  const double first = cell(rows[0], columns[0]);
+  return cell(rows[0], columns[1]) != first || cell(rows[1], columns[0]) != first ||
+         cell(rows[1], columns[1]) != first;
+}
+
 Whiteness BlurredMarker::at(const AxisView& x, const AxisView& y, double growth_px) const {
-  const AxisSteps along_x(x, across_, growth_px);
-  const AxisSteps along_y(y, across_, growth_px);
+  const EdgesInReach columns(x, across_, growth_px);
+  const EdgesInReach rows(y, across_, growth_px);
   Whiteness sum;
+  if (is_of_one_colour(rows.first, rows.end(), columns.first, columns.end())) {
+    sum.value = cell(rows.first, columns.first);
+    return sum;
+  }
+  const AxisSteps along_x(x, columns, growth_px);
+  const AxisSteps along_y(y, rows, growth_px);
   for (std::size_t row = along_y.first(); row < along_y.end(); ++row) {
     const Term line = along_x.line([&](std::size_t i) { return cell(row, i); });
     add_product(sum, 1, line, along_y.share(row));

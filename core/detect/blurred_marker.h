@@ -32,10 +32,16 @@ class BlurredMarker {
 
   [[nodiscard]] Whiteness at(const AxisView& x, const AxisView& y, double growth_px) const;
 
+  /// Whether black and white meet within `reach` cells (0–0.5, along either axis) of a place in
+  /// cells.
+  [[nodiscard]] bool has_edge_near(const Eigen::Vector2d& place, double reach) const;
+
  private:
   [[nodiscard]] double cell(std::size_t row, std::size_t column) const {
     return white_[row * across_ + column];
   }
+  [[nodiscard]] bool is_of_one_colour(std::size_t first_row, std::size_t end_row,
+                                      std::size_t first_column, std::size_t end_column) const;
 
   std::size_t across_;         ///< cells along a side with the ring
   std::vector<double> white_;  ///< row by row, the ring included

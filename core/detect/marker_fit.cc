@@ -69,24 +69,17 @@ class ResponseFit {
   ResponseFit(const MarkerPixels& pixels, SensorResponse response)
       : pixels_(pixels), response_(response) {}
 
-  /// False where it did not come to rest near its start.
+  /// From where the refined corners are. False where it did not come to rest near them.
   bool run() {
     constexpr double kStartBlur_px = 0.6;
-    numbers_.head<kShapeNumbers>() = shape_at(pixels_.start(), kStartBlur_px);
-    if (!start_levels()) return false;
-    // With the scale that the last round left.
     constexpr int kRounds = 3;
-    constexpr LevenbergMarquardtOptions kSteps{
-        .max_iterations = 5, .initial_damping = 1e-3, .negligible_decrease = 1e-3};
-    for (int round = 0; round < kRounds; ++round) {
-      if (!measure_scales()) return false;
-      const auto optimum = minimize<kNumbers>(
-          numbers_, kSteps, [&](const Numbers& at) { return linearize(at); }, moved);
-      if (!optimum) return false;
-      numbers_ = optimum->place;
-      information_ = optimum->equations.hessian;
-    }
-    return measure_scales() && is_near_start();
+    return run(shape_at(pixels_.start(), kStartBlur_px), kRounds);
+  }
+
+  /// From where the other response's fit came to rest.
+  bool run_from(const ResponseFit& other) {
+    constexpr int kRounds = 2;
+    return run(other.shape(), kRounds);
   }
 
   [[nodiscard]] const Scales& scales() const { return scales_; }
@@ -116,6 +109,23 @@ class ResponseFit {
   }
 
  private:
+  bool run(const MarkerShape& start, int rounds) {
+    numbers_.head<kShapeNumbers>() = start;
+    if (!start_levels()) return false;
+    // With the scale that the last round left.
+    constexpr LevenbergMarquardtOptions kSteps{
+        .max_iterations = 5, .initial_damping = 1e-3, .negligible_decrease = 1e-3};
+    for (int round = 0; round < rounds; ++round) {
+      if (!measure_scales()) return false;
+      const auto optimum = minimize<kNumbers>(
+          numbers_, kSteps, [&](const Numbers& at) { return linearize(at); }, moved);
+      if (!optimum) return false;
+      numbers_ = optimum->place;
+      information_ = optimum->equations.hessian;
+    }
+    return measure_scales() && is_near_start();
+  }
+
   /// Keeps blur and growth to what images show.
   static Numbers moved(const Numbers& from, const Numbers& step) {
     Numbers to = from + step;
@@ -171,24 +181,29 @@ class ResponseFit {
     NormalEquations<kNumbers> equations;
     if (!look(at)) return equations;
     const Levels levels = at.tail<kLevels>();
+    weighted_.resize(kNumbers, static_cast<Eigen::Index>(whiteness_.size()));
     for (std::size_t i = 0; i < whiteness_.size(); ++i) {
       const MarkerPixel& pixel = pixels_.all()[i];
       const double white = whiteness_[i].value;
       const EncodedLight expected = encode(response_, light_of(pixel, white, levels));
       const double r = residual_of(pixel, expected.grey);
       ++equations.corners;
-      if (r == 0) continue;
+      auto j = weighted_.col(static_cast<Eigen::Index>(i));
+      if (r == 0) {
+        j.setZero();
+        continue;
+      }
       const double scale = scales_.at(white);
       const double bounded = 1 / (1 + r * r / (kBound * kBound * scale * scale));
       equations.cost += r * r * bounded / (scale * scale);
-      Numbers j;
       j << pixel.place.dot(levels.tail<kContrastLevels>()) * whiteness_[i].by_shape,
           pixel.place.head<kBlackLevels>(), white * pixel.place;
-      j *= -expected.slope;
-      const double weight = bounded * bounded / (scale * scale);
-      equations.hessian.noalias() += (weight * j) * j.transpose();
+      const double weight = bounded / scale;  // its square is the observation's
+      j *= -expected.slope * weight;
       equations.gradient += weight * r * j;
     }
+    equations.hessian.selfadjointView<Eigen::Lower>().rankUpdate(weighted_);
+    equations.hessian.triangularView<Eigen::StrictlyUpper>() = equations.hessian.transpose();
     return equations;
   }
 
@@ -209,7 +224,8 @@ class ResponseFit {
   Scales scales_;
   Numbers numbers_ = Numbers::Zero();
   Eigen::Matrix<double, kNumbers, kNumbers> information_;
-  std::vector<PixelWhiteness> whiteness_;  ///< as looked at last
+  std::vector<PixelWhiteness> whiteness_;                     ///< as looked at last
+  Eigen::Matrix<double, kNumbers, Eigen::Dynamic> weighted_;  ///< Jacobians, by their sigmas
 };
 
 double shortest_side_px(const ImageCorners& corners) {
@@ -238,7 +254,8 @@ std::optional<MarkerFits> fit_marker(const GrayView& image, const CameraModel& c
   std::array<ResponseFit, 2> both{ResponseFit(pixels, SensorResponse::linear),
                                   ResponseFit(pixels, SensorResponse::srgb)};
   std::array<bool, 2> rests{};
-  for (std::size_t i = 0; i < 2; ++i) rests[i] = both[i].run();
+  rests[0] = both[0].run();
+  rests[1] = rests[0] ? both[1].run_from(both[0]) : both[1].run();
   if (!rests[0] && !rests[1]) return std::nullopt;
   // Both in the same unit, or they could not be compared.
   Scales common = both[rests[0] ? 0 : 1].scales();

@@ -35,7 +35,7 @@ struct MarkerFits {
 
 /// Fits a marker's cells and the paper around them to the pixels between (EDGES, Model): corners,
 /// an elliptic blur, the growth of white, light that varies over the marker; 21 numbers.
-/// `corners` are refined ones (captured px). At most 1,600 pixels, drawn with a fixed seed; none is
+/// `corners` are refined ones (captured px). At most 800 pixels (MarkerPixels); none is
 /// interpolated. nullopt where the lens or the image does not reach, or corners lie on a line.
 [[nodiscard]] std::optional<MarkerFits> fit_marker(const GrayView& image, const CameraModel& camera,
                                                    const ImageCorners& corners,

@@ -13,24 +13,21 @@
 namespace waymark {
 namespace {
 
-constexpr std::size_t kMostPixels = 1600;
+constexpr std::size_t kMostAtEdges = 600;
+constexpr std::size_t kMostOfRest = 200;
 /// Cells of paper around the marker that are looked at.
 constexpr double kMargin = 0.55;
 /// By which corners are moved for derivatives (px): far above rounding, far below a lens's bend.
 constexpr double kCornerStep_px = 0.01;
 
-/// d plane / d pixel, by differences far above rounding and far below a lens's bend.
-std::optional<Eigen::Matrix2d> plane_slope(const MarkerPlane& plane, const Eigen::Vector2d& pixel) {
-  constexpr double kStep_px = 0.25;
-  Eigen::Matrix2d slope;
-  for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::Vector2d step = kStep_px * Eigen::Vector2d::Unit(axis);
-    const auto after = plane.plane_from_pixel(pixel + step);
-    const auto before = plane.plane_from_pixel(pixel - step);
-    if (!after || !before) return std::nullopt;
-    slope.col(axis) = (*after - *before) / (2 * kStep_px);
+/// The first `most` of the places in an order that is drawn with a fixed seed.
+void draw(std::size_t most, std::vector<Eigen::Vector2i>& places) {
+  if (places.size() <= most) return;
+  std::mt19937_64 random(1);
+  for (std::size_t i = 0; i < most; ++i) {
+    std::swap(places[i], places[i + random() % (places.size() - i)]);
   }
-  return slope;
+  places.resize(most);
 }
 
 /// Standard deviation (px) of the lens's blur in a direction, with derivatives by the shape's three
@@ -83,6 +80,14 @@ class MarkerPixels::CellMap {
     return (cells_from_plane_ * plane.homogeneous()).hnormalized();
   }
 
+  /// d cells / d the map's numbers, on the way to `other`: how the cells at `plane` (at `at`)
+  /// change.
+  [[nodiscard]] Eigen::Vector2d change(const CellMap& other, const Eigen::Vector2d& plane,
+                                       const Eigen::Vector2d& at) const {
+    const Eigen::Vector3d h = (other.cells_from_plane_ - cells_from_plane_) * plane.homogeneous();
+    return (h.head<2>() - at * h.z()) / cells_from_plane_.row(2).dot(plane.homogeneous());
+  }
+
   /// d cells / d plane.
   [[nodiscard]] Eigen::Matrix2d slope(const Eigen::Vector2d& plane) const {
     const Eigen::Vector3d h = cells_from_plane_ * plane.homogeneous();
@@ -104,15 +109,11 @@ MarkerPixels::MarkerPixels(const GrayView& image, const CameraModel& camera,
   plane_.emplace(camera, *axis);
   const auto map = map_of(corners);
   if (!map) return;
-  std::vector<Eigen::Vector2i> places = around(image, *map);
-  std::mt19937_64 random(1);
-  if (places.size() > kMostPixels) {
-    for (std::size_t i = 0; i < kMostPixels; ++i) {
-      std::swap(places[i], places[i + random() % (places.size() - i)]);
-    }
-    places.resize(kMostPixels);
-  }
-  for (const Eigen::Vector2i& place : places) add(image, *map, place);
+  Places places = around(image);
+  draw(kMostAtEdges, places.edges);
+  draw(kMostOfRest, places.rest);
+  for (const Eigen::Vector2i& place : places.edges) add(image, *map, place);
+  for (const Eigen::Vector2i& place : places.rest) add(image, *map, place);
 }
 
 std::optional<MarkerPixels::CellMap> MarkerPixels::map_of(const ImageCorners& corners) const {
@@ -125,8 +126,16 @@ std::optional<MarkerPixels::CellMap> MarkerPixels::map_of(const ImageCorners& co
   return CellMap::of(in_plane, cells_);
 }
 
-/// Pixels of the image within the start and its margin.
-std::vector<Eigen::Vector2i> MarkerPixels::around(const GrayView& image, const CellMap& map) const {
+/// Pixels of the image within the start and its margin; the lens's bend within the marker is
+/// neglected, which moves that margin by less than a pixel.
+MarkerPixels::Places MarkerPixels::around(const GrayView& image) const {
+  Places places;
+  const auto map = CellMap::of(start_, cells_);
+  if (!map) return places;
+  constexpr double kNear_px = 1.5;
+  constexpr double kNear_cells = 0.3;  // of large cells, whose edges are seen more blurred
+  const double cells_per_px = cells_ / std::sqrt(area_px2(start_));
+  const double reach = std::clamp(kNear_px * cells_per_px, kNear_cells, 0.5);
   Eigen::Vector2d low = start_[0];
   Eigen::Vector2d high = start_[0];
   for (const Eigen::Vector2d& corner : start_) {
@@ -137,25 +146,27 @@ std::vector<Eigen::Vector2i> MarkerPixels::around(const GrayView& image, const C
   const auto from = [](double value) { return std::max(0, static_cast<int>(value)); };
   const int x_end = std::min(image.width_px - 1, from(high.x() + margin.x()));
   const int y_end = std::min(image.height_px - 1, from(high.y() + margin.y()));
-  std::vector<Eigen::Vector2i> places;
   for (int y = from(low.y() - margin.y()); y <= y_end; ++y) {
     for (int x = from(low.x() - margin.x()); x <= x_end; ++x) {
-      const auto plane = plane_->plane_from_pixel(Eigen::Vector2d(x, y));
-      if (!plane) continue;
-      const Eigen::Vector2d at = map.at(*plane);
-      if (at.minCoeff() >= -kMargin && at.maxCoeff() <= cells_ + kMargin) places.emplace_back(x, y);
+      const Eigen::Vector2d at = map->at(Eigen::Vector2d(x, y));
+      if (!(at.minCoeff() >= -kMargin && at.maxCoeff() <= cells_ + kMargin)) continue;
+      (marker_.has_edge_near(at, reach) ? places.edges : places.rest).emplace_back(x, y);
     }
   }
   return places;
 }
 
 void MarkerPixels::add(const GrayView& image, const CellMap& map, const Eigen::Vector2i& pixel) {
-  const Eigen::Vector2d place = pixel.cast<double>();
-  const auto plane = plane_->plane_from_pixel(place);
-  const auto slope = plane_slope(*plane_, place);
-  if (!plane || !slope) return;
+  const auto plane = plane_->plane_from_pixel(pixel.cast<double>());
+  if (!plane) return;
+  const auto px_from_plane = plane_->pixel_slope(*plane);
+  if (!px_from_plane) return;
+  Eigen::Matrix2d plane_from_px;
+  bool invertible = false;
+  px_from_plane->computeInverseWithCheck(plane_from_px, invertible);
+  if (!invertible) return;
   const Eigen::Vector2d x = map.at(*plane) / cells_ - Eigen::Vector2d::Constant(0.5);
-  MarkerPixel added{*plane, *slope, image.row(pixel.y())[pixel.x()] / 255.0, {}};
+  MarkerPixel added{*plane, plane_from_px, image.row(pixel.y())[pixel.x()] / 255.0, {}};
   added.place << 1, x.x(), x.y(), x.x() * x.x(), x.x() * x.y(), x.y() * x.y();
   pixels_.push_back(added);
 }
@@ -190,7 +201,7 @@ bool MarkerPixels::look(const MarkerShape& shape, std::vector<PixelWhiteness>& w
     MarkerShape& d = whiteness[n].by_shape;
     for (std::size_t i = 0; i < 8; ++i) {
       d[static_cast<Eigen::Index>(i)] =
-          w.d_place.dot(moved[i]->at(pixel.plane) - at) / kCornerStep_px;
+          w.d_place.dot(map->change(*moved[i], pixel.plane, at)) / kCornerStep_px;
     }
     d.segment<3>(kShapeBlur) = w.d_blur.x() * d_blur[0] + w.d_blur.y() * d_blur[1];
     d[kShapeGrowth] = w.d_growth;

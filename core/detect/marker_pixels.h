@@ -39,8 +39,9 @@ struct PixelWhiteness {
   MarkerShape by_shape = MarkerShape::Zero();
 };
 
-/// The pixels by which a marker is fitted: those within it and 0.55 cells around, at most 1,600,
-/// drawn with a fixed seed; none is interpolated.
+/// The pixels by which a marker is fitted, of those within it and 0.55 cells around: at most 600 at
+/// the edges of its cells, which tell where it is, and 200 of the others, which tell its light,
+/// both drawn with a fixed seed; none is interpolated.
 class MarkerPixels {
  public:
   /// Around `corners`, the start. Nothing is taken where the lens or the image does not reach.
@@ -56,9 +57,13 @@ class MarkerPixels {
 
  private:
   class CellMap;
+  /// Pixels that see an edge, and those that do not.
+  struct Places {
+    std::vector<Eigen::Vector2i> edges;
+    std::vector<Eigen::Vector2i> rest;
+  };
   [[nodiscard]] std::optional<CellMap> map_of(const ImageCorners& corners) const;
-  [[nodiscard]] std::vector<Eigen::Vector2i> around(const GrayView& image,
-                                                    const CellMap& map) const;
+  [[nodiscard]] Places around(const GrayView& image) const;
   void add(const GrayView& image, const CellMap& map, const Eigen::Vector2i& pixel);
 
   ImageCorners start_;

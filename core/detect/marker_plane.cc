@@ -23,4 +23,11 @@ std::optional<Eigen::Vector2d> MarkerPlane::pixel_from_plane(const Eigen::Vector
   return camera_->project(plane_from_cam_.transpose() * point.homogeneous());
 }
 
+std::optional<Eigen::Matrix2d> MarkerPlane::pixel_slope(const Eigen::Vector2d& point) const {
+  const auto seen =
+      camera_->project_with_jacobian(plane_from_cam_.transpose() * point.homogeneous());
+  if (!seen) return std::nullopt;
+  return Eigen::Matrix2d(seen->d_pixel_d_point * plane_from_cam_.transpose().leftCols<2>());
+}
+
 }  // namespace waymark

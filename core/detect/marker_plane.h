@@ -18,6 +18,9 @@ class MarkerPlane {
   [[nodiscard]] std::optional<Eigen::Vector2d> plane_from_pixel(const Eigen::Vector2d& pixel) const;
   [[nodiscard]] std::optional<Eigen::Vector2d> pixel_from_plane(const Eigen::Vector2d& point) const;
 
+  /// d pixel / d point of the plane; nullopt where the camera does not see the point.
+  [[nodiscard]] std::optional<Eigen::Matrix2d> pixel_slope(const Eigen::Vector2d& point) const;
+
  private:
   const CameraModel* camera_;
   Eigen::Matrix3d plane_from_cam_;

@@ -122,5 +122,16 @@ TEST(BlurredMarker, DerivativesAreThoseOfDifferences) {
   }
 }
 
+TEST(BlurredMarker, EdgesAreNearWhereColoursMeetWithinReach) {
+  const BlurredMarker marker(striped());
+  // The left side of the black, and a place of its border, two fifths of a cell from it.
+  EXPECT_TRUE(marker.has_edge_near({0.1, 2.5}, 0.3));
+  EXPECT_TRUE(marker.has_edge_near({-0.1, 2.5}, 0.3));
+  EXPECT_FALSE(marker.has_edge_near({0.4, 0.5}, 0.3));
+  EXPECT_TRUE(marker.has_edge_near({0.4, 0.5}, 0.5));
+  // Beyond the ring of paper there is nothing but paper.
+  EXPECT_FALSE(marker.has_edge_near({-3, -3}, 0.5));
+}
+
 }  // namespace
 }  // namespace waymark

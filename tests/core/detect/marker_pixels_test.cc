@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/marker/marker_outline.h"
@@ -43,7 +44,7 @@ TEST(MarkerShape, KeepsItsCorners) {
 }
 
 TEST(MarkerPixels, AreThoseOfTheMarkerAndItsMargin) {
-  const Seen seen(30);
+  const Seen seen(20);
   const MarkerPixels pixels = seen.pixels();
   // With 0.55 of ten cells' width on each side, tilted as the marker is.
   const double cells = 8;
@@ -51,7 +52,18 @@ TEST(MarkerPixels, AreThoseOfTheMarkerAndItsMargin) {
   EXPECT_NEAR(static_cast<double>(pixels.all().size()), expected, 0.05 * expected);
 }
 
-TEST(MarkerPixels, AreSixteenHundredAtMost) { EXPECT_EQ(Seen(90).pixels().all().size(), 1600U); }
+TEST(MarkerPixels, OfLargeMarkersAreSixHundredAtEdgesAndTwoHundredOthers) {
+  const Seen seen(150);
+  const MarkerPixels pixels = seen.pixels();
+  EXPECT_EQ(pixels.all().size(), 800U);
+  std::vector<PixelWhiteness> whiteness;
+  ASSERT_TRUE(pixels.look(shape_at(seen.corners, 0.5), whiteness));
+  const auto grey = [](const PixelWhiteness& w) { return w.value > 0.001 && w.value < 0.999; };
+  const auto at_edges = std::count_if(whiteness.begin(), whiteness.end(), grey);
+  EXPECT_GT(at_edges, 300);
+  // None of the others sees one.
+  EXPECT_EQ(std::count_if(whiteness.begin() + 600, whiteness.end(), grey), 0);
+}
 
 TEST(MarkerPixels, LookAsWhiteAsTheImageIsBright) {
   const Seen seen;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/corner_trials.h"
+#include "tests/support/numeric_jacobian.h"
 #include "tests/support/synthetic_room.h"
 
 namespace waymark {
@@ -30,6 +32,17 @@ TEST(MarkerPlane, StraightSidesOfAMarkerAreStraightInIt) {
         *plane.plane_from_pixel(*camera.project(start + share * (end - start))) - a;
     EXPECT_NEAR(p.x() * along.y() - p.y() * along.x(), 0, 1e-12);
   }
+}
+
+TEST(MarkerPlane, SlopeIsThatOfDifferences) {
+  const CameraModel camera = testing::trial_camera(Distortion::radtan);
+  const MarkerPlane plane(camera, *camera.bearing({60, 40}));
+  const Eigen::Vector2d point = *plane.plane_from_pixel({75, 52});
+  const auto slope = plane.pixel_slope(point);
+  ASSERT_TRUE(slope);
+  const auto numeric = test::numeric_jacobian<2, 2>(
+      [&](const Eigen::Vector2d& d) { return *plane.pixel_from_plane(point + d); }, 1e-6);
+  EXPECT_LT((*slope - numeric).norm(), 1e-6 * numeric.norm());
 }
 
 TEST(MarkerPlane, ThereIsNothingAcrossTheMarkersDirection) {
