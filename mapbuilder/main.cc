@@ -72,8 +72,9 @@ void add_estimation_options(CLI::App& app, BuildOptions& options) {
 }
 
 void add_edges_option(CLI::App& app, bool& correct_edges) {
-  app.add_flag("--correct-edges", correct_edges,
-               "measure in the images how far edges are seen inside the black, and correct it");
+  app.add_flag("--correct-edges,!--no-correct-edges", correct_edges,
+               "measure in a capture's images how far each camera sees edges inside the black, and "
+               "correct it, where rig.yaml states no edge_bias_px; default on");
 }
 
 void add_detector_option(CLI::App& app, DetectorEngine& engine) {
@@ -151,7 +152,8 @@ Command add_build(CLI::App& app, Progress& progress) {
       ->allow_extra_args(false)  // what follows is the next argument, not another name
       ->check(CLI::IsMember({"extrinsics", "intrinsics", "sizes"}));
   sub->add_option("--refined-rig", options->refined_rig,
-                  "where a refined rig is written; default: MAP with .yaml, numbered if several");
+                  "where a rig is written that was refined or whose edges were measured; default: "
+                  "MAP with .yaml, numbered if several");
   sub->add_option("--frame-of", options->frame_of, "keep the world of this earlier map");
   sub->add_option("--quarantine", options->quarantine,
                   "quarantine.json of a vehicle: what it found moved does not carry the world");

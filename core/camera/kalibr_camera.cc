@@ -77,10 +77,10 @@ class CameraReader {
 
   [[nodiscard]] Status check_keys() const {
     static const std::set<std::string> kKnown{
-        "camera_model", "intrinsics", "distortion_model", "distortion_coeffs", "resolution",
-        "T_cn_cnm1",    "T_cam_imu",  "rostopic",         "timeshift_cam_imu", "cam_overlaps",
-        "serial",       "lens_id",    "readout_us",       "global_shutter",    "sigma",
-        "sigma_source", "sigma_joint"};
+        "camera_model", "intrinsics",  "distortion_model", "distortion_coeffs", "resolution",
+        "T_cn_cnm1",    "T_cam_imu",   "rostopic",         "timeshift_cam_imu", "cam_overlaps",
+        "serial",       "lens_id",     "readout_us",       "global_shutter",    "sigma",
+        "sigma_source", "sigma_joint", "edge_bias_px",     "response"};
     std::set<std::string> seen;
     for (const auto& item : node_) {
       const auto key = item.first.as<std::string>();
@@ -272,6 +272,31 @@ class CameraReader {
     return {};
   }
 
+  /// A number that may be absent.
+  [[nodiscard]] Status read_range(const char* key, std::string_view unit, const Range& range,
+                                  std::optional<double>& into) const {
+    const YAML::Node at = node_[key];
+    if (!at.IsDefined()) return {};
+    const auto value = read_number(key, at);
+    if (!value) return tl::make_unexpected(value.error());
+    if (!range.contains(*value)) {
+      return wrong(key, at,
+                   fmt::format("is not within {:.0f} and {:.0f} {}", range.low, range.high, unit));
+    }
+    into = *value;
+    return {};
+  }
+
+  [[nodiscard]] Status read_response(RigCamera& camera) const {
+    const YAML::Node at = node_["response"];
+    if (!at.IsDefined()) return {};
+    const std::string name = at.IsScalar() ? at.Scalar() : "";
+    if (name == "auto") return {};
+    camera.response = sensor_response_from(name);
+    if (camera.response) return {};
+    return wrong("response", at, "is not one of auto, linear, srgb");
+  }
+
   [[nodiscard]] Status read_extras(RigCamera& camera) const {
     for (const auto& [key, into] :
          {std::pair{"serial", &camera.serial}, {"lens_id", &camera.lens_id}}) {
@@ -280,17 +305,17 @@ class CameraReader {
       if (!text) return tl::make_unexpected(text.error());
       *into = *std::move(text);
     }
-    if (const YAML::Node at = node_["readout_us"]; at.IsDefined()) {
-      const auto value = read_number("readout_us", at);
-      if (!value) return tl::make_unexpected(value.error());
-      constexpr Range kReadout_us = RigCamera::kReadout_us;
-      if (!kReadout_us.contains(*value)) {
-        return wrong(
-            "readout_us", at,
-            fmt::format("is not within {} and {:.0f} µs", kReadout_us.low, kReadout_us.high));
-      }
-      camera.readout_us = *value;
+    if (const auto status =
+            read_range("readout_us", "µs", RigCamera::kReadout_us, camera.readout_us);
+        !status) {
+      return status;
     }
+    if (const auto status =
+            read_range("edge_bias_px", "px", RigCamera::kEdgeBias_px, camera.edge_bias_px);
+        !status) {
+      return status;
+    }
+    if (const auto status = read_response(camera); !status) return status;
     if (const YAML::Node at = node_["global_shutter"]; at.IsDefined()) {
       bool value = false;
       if (!at.IsScalar() || !YAML::convert<bool>::decode(at, value)) {

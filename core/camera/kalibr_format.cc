@@ -42,6 +42,8 @@ std::string format_camera(const RigCamera& camera) {
   if (!camera.serial.empty()) text += fmt::format("  serial: {}\n", quoted(camera.serial));
   if (!camera.lens_id.empty()) text += fmt::format("  lens_id: {}\n", quoted(camera.lens_id));
   if (camera.readout_us) text += fmt::format("  readout_us: {:.17g}\n", *camera.readout_us);
+  if (camera.edge_bias_px) text += fmt::format("  edge_bias_px: {:.17g}\n", *camera.edge_bias_px);
+  if (camera.response) text += fmt::format("  response: {}\n", to_string(*camera.response));
   if (camera.global_shutter) text += fmt::format("  global_shutter: {}\n", *camera.global_shutter);
   if (camera.timeshift_cam_imu_s) {
     text += fmt::format("  timeshift_cam_imu: {:.17g}\n", *camera.timeshift_cam_imu_s);

@@ -8,6 +8,7 @@
 #include "core/base/range.h"
 #include "core/camera/camera_model.h"
 #include "core/camera/camera_sigmas.h"
+#include "core/camera/sensor_response.h"
 #include "core/geometry/rigid3.h"
 
 namespace waymark {
@@ -24,8 +25,12 @@ struct RigCamera {
   std::optional<double> timeshift_cam_imu_s;  ///< printed, never used
   StatedSigmas stated_sigmas{};               ///< what the rig file says of its own errors
   std::optional<SigmaSource> sigma_source{};  ///< nullopt: Kalibr's
+  /// How far our detector sees edges inside the black (px); nullopt: not stated.
+  std::optional<double> edge_bias_px{};
+  std::optional<SensorResponse> response{};  ///< nullopt: not stated (auto)
 
   static constexpr Range kReadout_us{0, 1e6};
+  static constexpr Range kEdgeBias_px{-3, 3};
 };
 
 /// Cameras with fixed, known places on one rigid body.

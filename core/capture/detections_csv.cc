@@ -9,6 +9,7 @@
 #include "core/base/line_reader.h"
 #include "core/base/text_field.h"
 #include "core/capture/detections_csv_columns.h"
+#include "core/capture/edge_line.h"
 #include "core/capture/foreign_csv.h"
 
 namespace waymark {
@@ -119,6 +120,7 @@ class Reader {
 
   Status take_line(std::string_view line, DetectionsTable& table, Images& images) {
     if (line.empty()) return {};
+    if (line.starts_with(kEdgeLinePrefix)) return read_edge_line(line, table);
     if (line.starts_with('#')) return read_own_line(line, table);
     const bool few_enough = split_at_commas(line, fields_);
     if (columns_.count == 0) {
@@ -164,6 +166,20 @@ class Reader {
                   name_);
     }
     return {};
+  }
+
+  Status read_edge_line(std::string_view line, DetectionsTable& table) const {
+    const auto read = parse_edge_line(line);
+    if (!read)
+      return bad_row("{} is not \"{}CAMERA bias_px=… sigma_px=… response=…\"",
+                     line.substr(0, kQuotedHeader), kEdgeLinePrefix);
+    for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
+      if (rig_.cameras[c].name != read->camera) continue;
+      table.edges.resize(rig_.cameras.size());
+      table.edges[c] = read->edges;
+      return {};
+    }
+    return bad_row("camera \"{}\" is not in rig.yaml", read->camera);
   }
 
   Status read_header(std::string_view line) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/camera/edge_measurement.h"
 #include "core/camera/rig.h"
 #include "core/capture/detection.h"
 #include "core/marker/marker_catalog.h"
@@ -16,8 +17,10 @@ namespace waymark {
 /// (marker id, then corners), so that the order of the rows leaves no trace.
 struct DetectionsTable {
   std::vector<ImageDetections> images;
-  std::string detector;              ///< from our own first line, empty otherwise
-  std::string markers_fingerprint;   ///< likewise
+  std::string detector;             ///< from our own first line, empty otherwise
+  std::string markers_fingerprint;  ///< likewise
+  /// By how much each camera's corners were moved outward, by edge_line; empty where none was.
+  std::vector<std::optional<EdgeMeasurement>> edges;
   int unknown_markers = 0;           ///< rows whose marker the catalog ignores or lacks; left out
   std::map<MarkerId, int> unlisted;  ///< of these, those that it lacks: rows of each
   /// Rows whose corners do not run clockwise in the image, as top-left, top-right, bottom-right,

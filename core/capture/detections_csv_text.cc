@@ -7,6 +7,7 @@
 
 #include "core/base/check.h"
 #include "core/capture/detections_csv_columns.h"
+#include "core/capture/edge_line.h"
 
 namespace waymark {
 namespace {
@@ -26,10 +27,12 @@ bool every_detection_has_covariances(const std::vector<ImageDetections>& images)
 
 std::string format_detections_csv(const std::vector<ImageDetections>& images, const Rig& rig,
                                   const MarkerCatalog& catalog, const std::string& detector,
-                                  const std::vector<std::string>& comments) {
+                                  const std::vector<std::optional<EdgeMeasurement>>& edges) {
   const bool with_covariances = every_detection_has_covariances(images);
   std::string text;
-  for (const std::string& comment : comments) text += "# " + comment + '\n';
+  for (std::size_t c = 0; c < edges.size(); ++c) {
+    if (edges[c]) text += edge_line(rig.cameras.at(c).name, *edges[c]) + '\n';
+  }
   text += detections_csv_head(catalog, detector, with_covariances);
   append_detections_csv_rows(images, rig, catalog, with_covariances, text);
   return text;

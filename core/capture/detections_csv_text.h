@@ -1,22 +1,24 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/camera/edge_measurement.h"
 #include "core/camera/rig.h"
 #include "core/capture/detection.h"
 #include "core/marker/marker_catalog.h"
 
 namespace waymark {
 
-/// Text of a detections.csv: the comments, a line each, then our own `# detector=…
+/// Text of a detections.csv: what was measured of each camera's edges (edge_line; empty, or one a
+/// camera), then our own `# detector=…
 /// markers=<fingerprint>`; covariance columns when every detection has covariances; corners to 4
 /// decimals, covariances to 9 significant digits (so that needle-shaped ones stay positive
 /// definite).
-[[nodiscard]] std::string format_detections_csv(const std::vector<ImageDetections>& images,
-                                                const Rig& rig, const MarkerCatalog& catalog,
-                                                const std::string& detector,
-                                                const std::vector<std::string>& comments = {});
+[[nodiscard]] std::string format_detections_csv(
+    const std::vector<ImageDetections>& images, const Rig& rig, const MarkerCatalog& catalog,
+    const std::string& detector, const std::vector<std::optional<EdgeMeasurement>>& edges = {});
 
 /// The same in pieces, for tables that are larger than memory should hold: first the two lines
 /// that head the file, then the rows of some images after the other. `with_covariances` is said

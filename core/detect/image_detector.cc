@@ -136,8 +136,16 @@ void ImageDetector::drop_ambiguous() {
   std::swap(found_.detections, clear_);
 }
 
+void ImageDetector::correct_edges(double edge_bias_px) {
+  for (Detection& one : found_.detections) {
+    const bool light = catalog_.shows_light_squares(one.marker.family);
+    move_sides_in(light ? edge_bias_px : -edge_bias_px, one.corners);
+  }
+}
+
 const FoundMarkers& ImageDetector::detect(const GrayView& image, const CameraModel& camera,
-                                          std::span<const ImageWindow> windows) {
+                                          std::span<const ImageWindow> windows,
+                                          double edge_bias_px) {
   WAYMARK_CHECK(image.width_px == camera.parameters().width_px &&
                 image.height_px == camera.parameters().height_px);
   found_.counts = {};
@@ -147,6 +155,7 @@ const FoundMarkers& ImageDetector::detect(const GrayView& image, const CameraMod
   refine_saturated_again(camera);
   keep_readable();
   drop_ambiguous();
+  if (edge_bias_px != 0) correct_edges(edge_bias_px);
   found_.counts.kept = static_cast<int>(found_.detections.size());
   return found_;
 }

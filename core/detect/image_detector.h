@@ -53,10 +53,12 @@ class ImageDetector {
                 const RefineOptions& refine = {});
 
   /// `camera` took the image and has its size (checked). Where windows are given, markers are
-  /// looked for in these alone. The result is the detector's own, valid until the next call; after
-  /// some images nothing is allocated.
+  /// looked for in these alone. Corners are moved outward by what the camera sees edges inside the
+  /// black, `edge_bias_px`. The result is the detector's own, valid until the next call; after some
+  /// images nothing is allocated.
   [[nodiscard]] const FoundMarkers& detect(const GrayView& image, const CameraModel& camera,
-                                           std::span<const ImageWindow> windows = {});
+                                           std::span<const ImageWindow> windows = {},
+                                           double edge_bias_px = 0);
 
  private:
   /// A marker of the catalog and its exact corners.
@@ -70,6 +72,7 @@ class ImageDetector {
   void refine_saturated_again(const CameraModel& camera);
   void keep_readable();
   void drop_ambiguous();
+  void correct_edges(double edge_bias_px);
 
   MarkerCatalog catalog_;
   RefineOptions refine_;

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "core/camera/camera_model.h"
+#include "core/camera/sensor_response.h"
 #include "core/capture/gray_image.h"
-#include "core/detect/sensor_response.h"
 #include "core/marker/marker_bits.h"
 #include "core/marker/marker_geometry.h"
 

@@ -105,8 +105,9 @@ void FrameDetector::take_cameras() {
 void FrameDetector::detect_in(std::size_t camera) {
   std::span<const ImageWindow> windows;
   if (camera < windows_.size()) windows = windows_[camera];
-  found_[camera] = &detectors_[camera]->detect(set_->frames[camera].image(),
-                                               rig_.cameras[camera].model, windows);
+  const RigCamera& by = rig_.cameras[camera];
+  found_[camera] = &detectors_[camera]->detect(set_->frames[camera].image(), by.model, windows,
+                                               by.edge_bias_px.value_or(0));
 }
 
 }  // namespace waymark

@@ -14,6 +14,7 @@
 #include "locd/frames/realtime.h"
 #include "locd/pose/map_index.h"
 #include "locd/publish/lcm_url.h"
+#include "locd/service/map_edges.h"
 
 namespace waymark {
 namespace {
@@ -179,6 +180,11 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
   }
   if (auto note = note_of_default_sigmas(setup.rig, setup.config.rig.camchain.string())) {
     setup.notes.push_back(*std::move(note));
+  }
+  if (setup.map) {
+    if (auto note = note_of_map_edges(*setup.map, setup.rig, setup.config.map.string())) {
+      setup.notes.push_back(*std::move(note));
+    }
   }
   // The rig's come last: of very many only the first are shown.
   std::move(rig->notes.begin(), rig->notes.end(), std::back_inserter(setup.notes));

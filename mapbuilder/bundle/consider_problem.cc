@@ -87,8 +87,8 @@ void ConsiderProblem::take_rigs(const Observations& observations, const Calibrat
     if (rig.joint_sigmas && rig.joint_sigmas->rows() != parameters) rig.joint_sigmas.reset();
     const std::size_t first = observations.first_camera[RigIndex(r)].value();
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-      const auto& measured_px = observations.edge_sigmas_px[CameraIndex(first + c)];
-      if (measured_px) rig.cameras[c].stated_sigmas.edge_px = measured_px;
+      const auto& measured = observations.edges[CameraIndex(first + c)];
+      if (measured) rig.cameras[c].stated_sigmas.edge_px = measured->sigma_px;
     }
   }
 }

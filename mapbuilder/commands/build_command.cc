@@ -63,10 +63,13 @@ std::optional<Family> only_stated_family(const std::vector<DetectedCapture>& cap
   return families.only();
 }
 
-/// Where the first refined rig goes: as asked for, else MAP's name with .yaml; nullopt when none is
-/// refined.
+/// Where the first rig goes that images have improved, refined or with its edges measured: as asked
+/// for, else MAP's name with .yaml; nullopt when none is.
 std::optional<fs::path> refined_rig_path(const BuildCommandOptions& options) {
-  if (!options.build.refine.extrinsics && !options.build.refine.intrinsics) return std::nullopt;
+  const VariableCalibration& refine = options.build.refine;
+  if (!refine.extrinsics && !refine.intrinsics && !options.input.detect.correct_edges) {
+    return std::nullopt;
+  }
   return options.refined_rig.value_or(fs::path(options.output).replace_extension(".yaml"));
 }
 
@@ -102,17 +105,31 @@ Status check_outputs(const BuildCommandOptions& options) {
   return {};
 }
 
-/// The refined rigs as camchains, numbered from the second on.
+/// The rig as refined, with what was measured of its edges.
+Rig improved_rig(RigIndex rig, const Calibration& calibration, const Observations& observations) {
+  Rig improved = calibration.rigs[rig];
+  const std::size_t first = observations.first_camera[rig].value();
+  for (std::size_t c = 0; c < improved.cameras.size(); ++c) {
+    const auto& edges = observations.edges[CameraIndex(first + c)];
+    if (!edges) continue;
+    RigCamera& camera = improved.cameras[c];
+    camera.edge_bias_px = edges->bias_px;
+    camera.stated_sigmas.edge_px = edges->sigma_px;
+    if (!camera.response) camera.response = edges->response;
+  }
+  return improved;
+}
+
+/// The improved rigs as camchains, numbered from the second on.
 Status write_refined_rigs(const fs::path& first, const Calibration& calibration,
-                          std::ostream& out) {
+                          const Observations& observations, bool refined, std::ostream& out) {
   for (const RigIndex rig : calibration.rigs.indices()) {
     const std::size_t i = rig.value();
     const fs::path path = i == 0 ? first : path_beside(first, std::to_string(i));
-    if (auto written = write_file_atomically(path, format_camchain(calibration.rigs[rig]));
-        !written) {
-      return written;
-    }
-    print_line(out, "{}: refined rig", path.string());
+    const std::string text = format_camchain(improved_rig(rig, calibration, observations));
+    if (auto written = write_file_atomically(path, text); !written) return written;
+    print_line(out, "{}: {}", path.string(),
+               refined ? "refined rig" : "rig with its measured edges, for locd");
   }
   return {};
 }
@@ -272,9 +289,13 @@ std::vector<Finding> findings_of(const BuildCommandOptions& options, const Build
 Status write_results(const BuildCommandOptions& options, const BuildResult& result,
                      const Observations& observations, std::ostream& out) {
   if (auto written = write_map_file(options.output, result.map); !written) return written;
-  if (const auto path = refined_rig_path(options); path && result.calibration.refined) {
-    if (auto written = write_refined_rigs(*path, result.estimate.calibration, out); !written)
-      return written;
+  const bool refined = result.calibration.refined;
+  const auto& edges = observations.edges.values();
+  const bool measured = std::any_of(edges.begin(), edges.end(), [](const auto& e) { return !!e; });
+  if (const auto path = refined_rig_path(options); path && (refined || measured)) {
+    auto written =
+        write_refined_rigs(*path, result.estimate.calibration, observations, refined, out);
+    if (!written) return written;
   }
   if (!options.trajectory) return {};
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {

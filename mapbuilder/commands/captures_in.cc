@@ -20,13 +20,12 @@ void print_notes(const std::vector<std::string>& lines, std::ostream& notes) {
   for (const std::string& line : shown_notes(lines)) fmt::print(notes, "{}\n", note_line(line));
 }
 
-/// What was measured of each camera's edges, a line each; none where it was not asked for.
-std::vector<std::string> edge_lines(const DetectionReport& report, const Rig& rig) {
-  std::vector<std::string> lines;
+/// What was measured of each camera's edges; nothing of one whose rig file states them.
+void tell_edges(const DetectionReport& report, const Rig& rig, std::ostream& notes) {
   for (std::size_t i = 0; i < report.edges.size(); ++i) {
-    lines.push_back(edges_text(rig.cameras[i].name, report.edges[i]));
+    if (rig.cameras[i].edge_bias_px) continue;
+    print_line(notes, "{}", edges_text(rig.cameras[i].name, report.edges[i]));
   }
-  return lines;
 }
 
 /// Which sigmas are taken where a capture's rig states none; told of the first such rig alone.
@@ -57,11 +56,6 @@ Expected<TakenCaptures> take_videos_in(const CaptureInput& input, Progress& prog
     return fail(ErrorKind::usage,
                 "{}: a video needs both --rig and --markers; a capture is a folder",
                 std::find_if(input.paths.begin(), input.paths.end() - 1, is_file)->string());
-  }
-  if (input.detect.correct_edges) {
-    return fail(
-        ErrorKind::usage,
-        "--correct-edges reads images twice, a video once; make a capture folder of its frames");
   }
   DetectionReport report;
   auto detected = detect_videos({input.paths, *input.rig_yaml, *input.markers_toml, input.video},
@@ -117,16 +111,7 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
     auto detected = detect_capture(folder, input.detect, progress, report);
     if (!detected) return tl::make_unexpected(detected.error());
     print_report(folder.path.string(), report, notes);
-    if (input.detect.correct_edges && report.from_csv) {
-      print_line(notes,
-                 "note: {}: its corners stay as they are; --redetect --correct-edges reads "
-                 "the images",
-                 folder.detections_csv->string());
-    }
-    for (std::string& line : edge_lines(report, detected->rig)) {
-      print_line(notes, "{}", line);
-      taken.edges.push_back(std::move(line));
-    }
+    tell_edges(report, detected->rig, notes);
     const auto looks = look_at_images(folder, *detected, input.detect.threads, progress);
     for (Finding& finding : input_findings(*detected, looks)) {
       taken.findings.push_back(std::move(finding));

@@ -29,7 +29,6 @@ struct CaptureInput {
 struct TakenCaptures {
   std::vector<DetectedCapture> captures;
   std::vector<Finding> findings;
-  std::vector<std::string> edges;  ///< what was measured of each camera's edges, a line each
 };
 
 /// Fails (usage) when `output` would take the place of what the captures or videos are read from,

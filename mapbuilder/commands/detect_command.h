@@ -17,7 +17,7 @@ struct DetectOptions {
   std::filesystem::path capture;
   std::optional<std::filesystem::path> output;  ///< default: detections.csv in the capture
   int threads = 0;
-  bool correct_edges = false;                   ///< as in DetectCaptureOptions
+  bool correct_edges = true;                    ///< as in DetectCaptureOptions
   DetectorEngine engine = DetectorEngine::own;  ///< likewise
   FindingRules rules;
 };

@@ -25,10 +25,10 @@ struct DetectedImage {
   std::optional<DeepPixels> deep;
 };
 
-DetectedImage detect_image(const ImageFile& file, const CameraModel& camera,
+DetectedImage detect_image(const ImageFile& file, const RigCamera& camera,
                            ImageDetector& detector) {
   DetectedImage result;
-  const CameraParameters& expected = camera.parameters();
+  const CameraParameters& expected = camera.model.parameters();
   auto loaded = read_gray_image(file.path, ImageSize{expected.width_px, expected.height_px});
   if (!loaded) {
     result.why_not = std::move(loaded.error());
@@ -37,7 +37,8 @@ DetectedImage detect_image(const ImageFile& file, const CameraModel& camera,
   const GrayImage& image = loaded->image;
   result.orientation_ignored = loaded->orientation_ignored;
   result.deep = loaded->deep;
-  const FoundMarkers& found = detector.detect(image.view(), camera);
+  const FoundMarkers& found =
+      detector.detect(image.view(), camera.model, {}, camera.edge_bias_px.value_or(0));
   if (!found.failure.empty()) {
     result.why_not = Error{ErrorKind::bad_data, fmt::format("{}: can't be searched for markers: {}",
                                                             file.path.string(), found.failure)};
@@ -101,7 +102,7 @@ Expected<DetectedCapture> from_images(const CaptureFolder& capture,
         [&](ImageDetector* detector, std::size_t i) {
           const ImageFile& file = capture.images[first + i];
           const auto camera = static_cast<std::size_t>(file.camera);
-          results[i] = detect_image(file, capture.rig.cameras[camera].model, *detector);
+          results[i] = detect_image(file, capture.rig.cameras[camera], *detector);
         });
     for (std::size_t i = 0; i < count; ++i) {
       const ImageFile& file = capture.images[first + i];
@@ -167,6 +168,7 @@ Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport
                            capture.catalog,        std::move(table->images),
                            capture.sync_tolerance, capture.monotonic};
   detected.unlisted = std::move(table->unlisted);
+  detected.edges = std::move(table->edges);
   return detected;
 }
 

@@ -21,7 +21,7 @@ struct DetectCaptureOptions {
   int threads = 0;        ///< 0 = all processors; never changes the result
   /// Measure how far edges are seen inside the black and move corners outward (edge_correction);
   /// of detections.csv, whose images are not read, corners stay as they are.
-  bool correct_edges = false;
+  bool correct_edges = true;
   DetectorEngine engine = DetectorEngine::own;  ///< who finds markers
 };
 

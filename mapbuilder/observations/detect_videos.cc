@@ -77,7 +77,9 @@ Expected<DetectedCapture> detect_videos(const VideoCapture& capture,
         [&](ImageDetector* detector, std::size_t i) {
           const VideoFrame& frame = (*frames)[i];
           const auto camera = static_cast<std::size_t>(frame.camera);
-          found[i] = detector->detect(frame.image.view(), detected.rig.cameras[camera].model);
+          const RigCamera& by = detected.rig.cameras[camera];
+          found[i] =
+              detector->detect(frame.image.view(), by.model, {}, by.edge_bias_px.value_or(0));
         });
     for (std::size_t i = 0; i < frames->size(); ++i) {
       const VideoFrame& frame = (*frames)[i];

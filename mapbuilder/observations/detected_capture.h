@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/camera/edge_measurement.h"
 #include "core/camera/rig.h"
 #include "core/capture/detection.h"
 #include "core/capture/frame_set.h"
@@ -22,9 +23,9 @@ struct DetectedCapture {
   bool monotonic = false;  ///< its stamps can't be compared with another capture's
   /// Rows of its detections.csv of a stated family that markers.toml neither sizes nor ignores.
   std::map<MarkerId, int> unlisted{};
-  /// Per camera how sure its edges are (px, one standard deviation) where they were measured and
-  /// corners moved to them; empty or nullopt where they were not.
-  std::vector<std::optional<double>> edge_sigmas_px{};
+  /// Per camera by how much corners were moved outward, where that was measured in the capture's
+  /// own images; empty or nullopt where it was not.
+  std::vector<std::optional<EdgeMeasurement>> edges{};
 };
 
 /// 16 hexadecimal digits that depend on a rig's numbers, or on a capture's detections, and nothing

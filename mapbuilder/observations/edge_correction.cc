@@ -26,12 +26,13 @@ struct Chosen {
 /// By image of the capture, rising.
 using ChosenMarkers = std::map<std::size_t, std::vector<Chosen>>;
 
-/// Every camera's markers that are read without a wrong cell, thinned.
+/// Every measured camera's markers that are read without a wrong cell, thinned.
 ChosenMarkers choose(const DetectedCapture& detected) {
   std::vector<std::vector<std::pair<std::size_t, std::size_t>>> by_camera(
       detected.rig.cameras.size());
   for (std::size_t i = 0; i < detected.images.size(); ++i) {
     const ImageDetections& image = detected.images[i];
+    if (detected.rig.cameras[static_cast<std::size_t>(image.camera)].edge_bias_px) continue;
     for (std::size_t k = 0; k < image.detections.size(); ++k) {
       const Detection& detection = image.detections[k];
       // Black that is too small makes squares of black smaller and those of white larger.
@@ -105,8 +106,15 @@ std::vector<std::optional<EdgeBias>> biases_of(const DetectedCapture& detected,
   }
   std::vector<std::optional<EdgeBias>> biases;
   biases.reserve(samples.size());
-  for (const auto& of_camera : samples) biases.push_back(edge_bias(of_camera));
+  for (std::size_t c = 0; c < samples.size(); ++c) {
+    biases.push_back(edge_bias(samples[c], detected.rig.cameras[c].response));
+  }
   return biases;
+}
+
+std::optional<EdgeMeasurement> measured(const std::optional<EdgeBias>& bias) {
+  if (!bias) return std::nullopt;
+  return EdgeMeasurement{bias->inset_px, bias->sigma_px, bias->response};
 }
 
 /// Moves an image's corners outward: fitted markers by their own inset, the others by the mean.
@@ -133,9 +141,7 @@ std::vector<std::optional<EdgeBias>> correct_edges(const CaptureFolder& capture,
   ChosenMarkers chosen = choose(detected);
   fit(capture, detected, threads, progress, chosen);
   auto biases = biases_of(detected, chosen);
-  for (const auto& bias : biases) {
-    detected.edge_sigmas_px.push_back(bias ? std::optional(bias->sigma_px) : std::nullopt);
-  }
+  for (const auto& bias : biases) detected.edges.push_back(measured(bias));
   for (std::size_t i = 0; i < detected.images.size(); ++i) {
     ImageDetections& image = detected.images[i];
     const auto& bias = biases[static_cast<std::size_t>(image.camera)];

@@ -13,10 +13,10 @@ namespace waymark {
 
 /// Measures for each camera of the capture how far its edges lie inside the black, on up to 120 of
 /// its markers, whose images are read again, and moves the corners of all its detections outward:
-/// markers that were fitted by their own, the others by the mean. A camera whose
-/// markers do not tell (edge_bias) stays as it is: its entry is nullopt. Sets the capture's
-/// edge_sigmas_px. `detected` must come from the capture's images. Never depends on the number of
-/// threads.
+/// markers that were fitted by their own, the others by the mean. A camera whose markers do not
+/// tell (edge_bias), or whose rig file states its edge bias, stays as it is: its entry is nullopt.
+/// Sets the capture's edges. `detected` must come from the capture's images. Never depends on the
+/// number of threads.
 [[nodiscard]] std::vector<std::optional<EdgeBias>> correct_edges(const CaptureFolder& capture,
                                                                  DetectedCapture& detected,
                                                                  int threads, Progress& progress);

@@ -12,6 +12,20 @@
 namespace waymark {
 namespace {
 
+/// Of two captures by one camera: the mean by their weights, no surer than the less sure; nullopt
+/// where one has not measured.
+std::optional<EdgeMeasurement> common_edges(const std::optional<EdgeMeasurement>& a,
+                                            const std::optional<EdgeMeasurement>& b) {
+  if (!a || !b) return std::nullopt;
+  const double weight_a = 1 / (a->sigma_px * a->sigma_px);
+  const double weight_b = 1 / (b->sigma_px * b->sigma_px);
+  EdgeMeasurement both;
+  both.bias_px = (weight_a * a->bias_px + weight_b * b->bias_px) / (weight_a + weight_b);
+  both.sigma_px = std::max(a->sigma_px, b->sigma_px);
+  if (a->response == b->response) both.response = a->response;
+  return both;
+}
+
 /// Gives each capture's images their frame sets, rigs and observations.
 class ObservationMaker {
  public:
@@ -34,7 +48,7 @@ class ObservationMaker {
     }
     const bool mono = options_.mono || capture.rig.cameras.size() == 1;
     const std::vector<RigIndex> rigs = rigs_of(capture, mono);
-    take_edge_sigmas(capture, rigs);
+    take_edges(capture, rigs);
     const auto frame_sets = mono ? one_frame_set_per_image(stamped)
                                  : group_into_frame_sets(stamped, capture.sync_tolerance);
     for (const FrameSet& frame_set : frame_sets) {
@@ -91,16 +105,17 @@ class ObservationMaker {
     return rigs;
   }
 
-  void take_edge_sigmas(const DetectedCapture& capture, const std::vector<RigIndex>& rigs) {
-    auto& sigmas = made_.edge_sigmas_px;
+  void take_edges(const DetectedCapture& capture, const std::vector<RigIndex>& rigs) {
+    auto& edges = made_.edges;
     for (std::size_t c = 0; c < capture.rig.cameras.size(); ++c) {
       const bool alone = rigs.size() > 1;
       const CameraIndex camera(made_.first_camera[rigs[alone ? c : 0]].value() + (alone ? 0 : c));
-      const auto measured =
-          c < capture.edge_sigmas_px.size() ? capture.edge_sigmas_px[c] : std::nullopt;
-      if (camera.value() == sigmas.size()) sigmas.push_back(measured);
-      auto& sigma = sigmas[camera];
-      sigma = sigma && measured ? std::optional(std::max(*sigma, *measured)) : std::nullopt;
+      const auto measured = c < capture.edges.size() ? capture.edges[c] : std::nullopt;
+      if (camera.value() == edges.size()) {
+        edges.push_back(measured);
+      } else {
+        edges[camera] = common_edges(edges[camera], measured);
+      }
     }
   }
 

@@ -59,8 +59,8 @@ struct Observations {
   IndexedVector<RigIndex, Rig> rigs;  ///< as stated; captures of the same cameras share one
   IndexedVector<CameraIndex, CameraPlace> cameras;
   IndexedVector<RigIndex, CameraIndex> first_camera;
-  /// How sure a camera's edges are where every capture has measured them; the largest (px).
-  IndexedVector<CameraIndex, std::optional<double>> edge_sigmas_px;
+  /// A camera's edges where every one of its captures has measured them.
+  IndexedVector<CameraIndex, std::optional<EdgeMeasurement>> edges;
   IndexedVector<CaptureIndex, ObservedCapture> captures;
   /// Captures whose rig.yaml names the same cameras (serials) and states other numbers: their rigs
   /// are kept apart. By name, rising.

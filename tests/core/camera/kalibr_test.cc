@@ -134,7 +134,7 @@ TEST(Kalibr, ExtrasAreRead) {
   const auto loaded =
       parse_camchain("cam0:\n" + kLens +
                          "  serial: '00417'\n  lens_id: C-mount 6\n  readout_us: 15000\n"
-                         "  global_shutter: false\n",
+                         "  global_shutter: false\n  edge_bias_px: 0.27\n  response: srgb\n",
                      "rig.yaml");
   ASSERT_TRUE(loaded) << loaded.error().message;
   const RigCamera& camera = loaded->rig.cameras[0];
@@ -143,6 +143,15 @@ TEST(Kalibr, ExtrasAreRead) {
   EXPECT_EQ(camera.readout_us, 15000);
   EXPECT_EQ(camera.global_shutter, false);
   EXPECT_FALSE(camera.timeshift_cam_imu_s);
+  EXPECT_EQ(camera.edge_bias_px, 0.27);
+  EXPECT_EQ(camera.response, SensorResponse::srgb);
+}
+
+TEST(Kalibr, AResponseOfAutoIsNotStated) {
+  const auto loaded = parse_camchain("cam0:\n" + kLens + "  response: auto\n", "rig.yaml");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_FALSE(loaded->rig.cameras[0].response);
+  EXPECT_FALSE(loaded->rig.cameras[0].edge_bias_px);
 }
 
 TEST(Kalibr, NoneNeedsNoCoefficients) {
@@ -218,6 +227,13 @@ INSTANTIATE_TEST_SUITE_P(
         BadText{"cam2", "camera2", "'camera2' is no camera name"},
         BadText{"  rostopic: /cam/image_raw\n", "  resolution: [1, 1]\n", "stands there twice"},
         BadText{"  rostopic: /cam/image_raw\n", "  readout_us: -1\n", "readout_us"},
+        BadText{"  rostopic: /cam/image_raw\n", "  edge_bias_px: 3.1\n",
+                "edge_bias_px: is not within -3 and 3 px"},
+        BadText{"  rostopic: /cam/image_raw\n", "  edge_bias_px: .nan\n", "is not finite"},
+        BadText{"  rostopic: /cam/image_raw\n", "  response: gamma\n",
+                "is not one of auto, linear, srgb"},
+        BadText{"  rostopic: /cam/image_raw\n", "  response: [srgb]\n",
+                "is not one of auto, linear, srgb"},
         BadText{"  rostopic: /cam/image_raw\n", "  global_shutter: 3\n", "neither true nor false"},
         BadText{"  rostopic: /cam/image_raw\n", "  serial: [1]\n", "is no text"},
         BadText{"[470.3", "[[470.3", "not valid YAML"}));
@@ -316,6 +332,8 @@ void expect_same(const Rig& a, const Rig& b) {
     EXPECT_EQ(a.cameras[i].readout_us, b.cameras[i].readout_us);
     EXPECT_EQ(a.cameras[i].global_shutter, b.cameras[i].global_shutter);
     EXPECT_EQ(a.cameras[i].timeshift_cam_imu_s, b.cameras[i].timeshift_cam_imu_s);
+    EXPECT_EQ(a.cameras[i].edge_bias_px, b.cameras[i].edge_bias_px);
+    EXPECT_EQ(a.cameras[i].response, b.cameras[i].response);
   }
 }
 
@@ -325,6 +343,8 @@ TEST(Kalibr, TextReadsBackToTheSameRig) {
   rig.cameras[1].lens_id = "12";
   rig.cameras[2].readout_us = 1.0 / 3;
   rig.cameras[2].global_shutter = true;
+  rig.cameras[1].edge_bias_px = -0.1;
+  rig.cameras[1].response = SensorResponse::linear;
   rig.cameras[0].timeshift_cam_imu_s = -0.1;
   const auto back = parse_camchain(format_camchain(rig), "again.yaml");
   ASSERT_TRUE(back) << back.error().message;

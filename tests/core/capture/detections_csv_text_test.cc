@@ -39,14 +39,23 @@ TEST_F(DetectionsCsvText, WrittenTextReadsBackToTheSame) {
   EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "opencv+lines/1"), text);
 }
 
-TEST_F(DetectionsCsvText, CommentsHeadTheFileAndChangeNothing) {
+TEST_F(DetectionsCsvText, MeasuredEdgesHeadTheFileAndComeBack) {
   const DetectionsTable table =
       good("t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n5,cam0,3,1,1,2,1,2,2,1,2\n");
+  EXPECT_TRUE(table.edges.empty());
   const std::string text =
-      format_detections_csv(table.images, rig_, catalog_, "x", {"cam0: edges", "cam1: edges"});
-  EXPECT_TRUE(text.starts_with("# cam0: edges\n# cam1: edges\n# detector=x"));
+      format_detections_csv(table.images, rig_, catalog_, "x",
+                            {std::nullopt, EdgeMeasurement{0.25, 0.0125, SensorResponse::srgb}});
+  EXPECT_TRUE(text.starts_with(
+      "# edges camera=cam1 bias_px=0.2500 sigma_px=0.0125 response=srgb\n# detector=x"))
+      << text;
   const DetectionsTable again = good(text);
   EXPECT_EQ(again.detector, "x");
+  ASSERT_EQ(again.edges.size(), rig_.cameras.size());
+  EXPECT_FALSE(again.edges[0]);
+  ASSERT_TRUE(again.edges[1]);
+  EXPECT_EQ(again.edges[1]->bias_px, 0.25);
+  EXPECT_EQ(again.edges[1]->response, SensorResponse::srgb);
   EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "x"),
             format_detections_csv(table.images, rig_, catalog_, "x"));
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/marker/marker_outline.h"
 #include "tests/support/corner_trials.h"
 #include "tests/support/expect_ranges.h"
 
@@ -59,6 +60,16 @@ TEST_F(FourMarkers, AreKeptWithExactCornersAndCovariances) {
       EXPECT_GT(sigma_px, 0.002);
       EXPECT_LT(sigma_px, 0.05);
     }
+  }
+}
+
+TEST_F(FourMarkers, CornersMoveOutwardByTheEdgeBias) {
+  ImageDetector detector(catalog_of(Family::aruco_4x4_1000));
+  const auto plain = detector.detect(image_.view(), camera_).detections;
+  const auto moved = detector.detect(image_.view(), camera_, {}, 0.25).detections;
+  ASSERT_EQ(moved.size(), 4U);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_NEAR(inset_px(plain[i].corners, moved[i].corners), 0.25, 1e-3);
   }
 }
 

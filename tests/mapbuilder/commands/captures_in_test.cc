@@ -108,21 +108,6 @@ TEST_F(CapturesIn, ASurveyIsSpokenOfOnlyWhereItCouldBeAskedFor) {
   EXPECT_THAT(notes_.str(), HasSubstr("used only when asked for: --survey"));
 }
 
-TEST_F(CapturesIn, EdgesOfADetectionsCsvCantBeCorrected) {
-  input_.paths = {make_capture("a")};
-  input_.detect.correct_edges = true;
-  ASSERT_TRUE(take_captures_in(input_, progress_, notes_));
-  EXPECT_THAT(notes_.str(), HasSubstr("its corners stay as they are; --redetect"));
-}
-
-TEST_F(CapturesIn, EdgesOfAVideoCantBeCorrected) {
-  input_.paths = {folder_.write("walk.avi", "no video")};
-  input_.rig_yaml = folder_.write("rig.yaml", tiny_rig_yaml(1));
-  input_.markers_toml = folder_.write("markers.toml", tiny_markers_toml());
-  input_.detect.correct_edges = true;
-  expect_failure(ErrorKind::usage, "--correct-edges reads images twice");
-}
-
 TEST_F(CapturesIn, ImagesWithoutAnyMarkerAreReadInTheMemoryOfTheirRowsAndRefused) {
   input_.paths = {make_blank_capture(400'000)};
   const std::size_t bytes = std::filesystem::file_size(folder_.path() / "blank/detections.csv");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/capture/image_file.h"
+#include "core/marker/marker_outline.h"
 #include "mapbuilder/observations/detect_capture.h"
 #include "tests/support/marker_scene.h"
 #include "tests/support/temporary_folder.h"
@@ -54,6 +55,8 @@ TEST_F(EdgeCorrection, TakesGammaOffEverySide) {
   ASSERT_TRUE(report_.edges[0]);
   // At a point spread of 0.8 px gamma moves every edge by a quarter of a pixel.
   EXPECT_NEAR(report_.edges[0]->inset_px, 0.25, 0.03);
+  ASSERT_TRUE(corrected.edges.at(0));
+  EXPECT_EQ(corrected.edges[0]->bias_px, report_.edges[0]->inset_px);
   for (std::size_t i = 0; i < plain.images.size(); ++i) {
     for (std::size_t k = 0; k < plain.images[i].detections.size(); ++k) {
       EXPECT_NEAR(
@@ -61,6 +64,18 @@ TEST_F(EdgeCorrection, TakesGammaOffEverySide) {
           2 * 0.25, 0.12);
     }
   }
+}
+
+TEST_F(EdgeCorrection, WhatTheRigFileStatesIsTakenAndNotMeasured) {
+  take(8);
+  const DetectedCapture plain = detect(false);
+  folder_.write("rig.yaml", scene_rig_yaml() + "  edge_bias_px: 0.2\n");
+  const DetectedCapture stated = detect(true);
+  EXPECT_FALSE(report_.edges.at(0));
+  EXPECT_FALSE(stated.edges.at(0));
+  EXPECT_NEAR(
+      inset_px(plain.images[0].detections[0].corners, stated.images[0].detections[0].corners), 0.2,
+      1e-3);
 }
 
 TEST_F(EdgeCorrection, ThreadsChangeNothing) {

@@ -1,4 +1,4 @@
-#include "core/detect/sensor_response.h"
+#include "core/camera/sensor_response.h"
 
 #include <gtest/gtest.h>
 
@@ -36,6 +36,14 @@ INSTANTIATE_TEST_SUITE_P(All, Responses,
 TEST(SrgbResponse, MakesMiddleGreyBright) {
   // IEC 61966-2-1: 18 % of the light is 46 % grey.
   EXPECT_NEAR(encode(SensorResponse::srgb, 0.18).grey, 0.4613, 1e-4);
+}
+
+TEST(SensorResponse, NamesComeBack) {
+  for (const SensorResponse response : {SensorResponse::linear, SensorResponse::srgb}) {
+    EXPECT_EQ(sensor_response_from(to_string(response)), response);
+  }
+  EXPECT_FALSE(sensor_response_from("auto"));
+  EXPECT_FALSE(sensor_response_from(""));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/detect/sensor_response.h"
+#include "core/camera/sensor_response.h"
 
 #include <cmath>
 
@@ -15,6 +15,13 @@ constexpr double kPower = 2.4;
 
 std::string_view to_string(SensorResponse response) {
   return response == SensorResponse::linear ? "linear" : "srgb";
+}
+
+std::optional<SensorResponse> sensor_response_from(std::string_view name) {
+  for (const SensorResponse response : {SensorResponse::linear, SensorResponse::srgb}) {
+    if (name == to_string(response)) return response;
+  }
+  return std::nullopt;
 }
 
 EncodedLight encode(SensorResponse response, double light) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 namespace waymark {
@@ -10,6 +11,9 @@ namespace waymark {
 enum class SensorResponse : std::uint8_t { linear, srgb };
 
 [[nodiscard]] std::string_view to_string(SensorResponse response);
+
+/// nullopt for an unknown name.
+[[nodiscard]] std::optional<SensorResponse> sensor_response_from(std::string_view name);
 
 /// A grey value (0 black, 1 white) and how it grows with light.
 struct EncodedLight {
