@@ -132,10 +132,9 @@ MarkerPixels::Places MarkerPixels::around(const GrayView& image) const {
   Places places;
   const auto map = CellMap::of(start_, cells_);
   if (!map) return places;
-  constexpr double kNear_px = 1.5;
-  constexpr double kNear_cells = 0.3;  // of large cells, whose edges are seen more blurred
-  const double cells_per_px = cells_ / std::sqrt(area_px2(start_));
-  const double reach = std::clamp(kNear_px * cells_per_px, kNear_cells, 0.5);
+  constexpr double kNear_px = 2.0;
+  constexpr double kMostCells = 0.5;
+  const double reach = std::min(kNear_px * cells_ / std::sqrt(area_px2(start_)), kMostCells);
   Eigen::Vector2d low = start_[0];
   Eigen::Vector2d high = start_[0];
   for (const Eigen::Vector2d& corner : start_) {
