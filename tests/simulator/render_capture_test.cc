@@ -118,7 +118,9 @@ TEST_F(RenderCapture, AFullDiskLeavesNothingBehind) {
 
 TEST_F(RenderCapture, MarkersOfWhiteSquaresInBlackAreThereToo) {
   scene_ = load_scene("aisles2");
-  const auto capture = open_capture_folder(render("aisles2", "cg180", quick_job()));
+  RenderJob job = quick_job();
+  job.positions = 4;  // where the way begins there are none
+  const auto capture = open_capture_folder(render("aisles2", "cg180", job));
   ASSERT_TRUE(capture.has_value()) << capture.error().message;
   ImageDetector detector(capture->catalog);
   std::size_t seen = 0;
