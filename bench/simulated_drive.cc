@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/estimate/calibration_prior.h"
+
 namespace waymark::bench {
 namespace {
 
@@ -128,6 +130,7 @@ MarkerMap true_map(const simulator::Scene& scene) {
     marker.verified = true;
     submap.markers.push_back(marker);
   }
+  state_exact_sizes(submap);
   return map;
 }
 

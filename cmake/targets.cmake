@@ -7,7 +7,9 @@ include(GNUInstallDirs)
 # Modules are found in one folder of the build, and below lib/ of an installation.
 set(WAYMARK_MODULE_FOLDER ${PROJECT_BINARY_DIR}/modules)
 set(CMAKE_BUILD_RPATH ${WAYMARK_MODULE_FOLDER})
-set(CMAKE_INSTALL_RPATH $ORIGIN/../lib/waymark)
+# Not right below lib: what CPack finds there it takes for libraries of all, and has ldconfig called.
+set(WAYMARK_INSTALLED_MODULES lib/waymark/modules)
+set(CMAKE_INSTALL_RPATH $ORIGIN/../${WAYMARK_INSTALLED_MODULES})
 
 set(WAYMARK_FAST $<$<CONFIG:Release>:-O3>)
 # Tests' own sources: they are compiled more often than they run, and spend their time in what they test, which is optimized as ever.
@@ -100,7 +102,7 @@ function(waymark_module name)
                                            INSTALL_RPATH "")
   target_include_directories(${name} PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name} PRIVATE ${ARG_PRIVATE} waymark_warnings)
-  install(TARGETS ${name} DESTINATION lib/waymark COMPONENT ${ARG_COMPONENT})
+  install(TARGETS ${name} DESTINATION ${WAYMARK_INSTALLED_MODULES} COMPONENT ${ARG_COMPONENT})
 endfunction()
 
 # waymark_program(<name> SOURCES … PRIVATE …)

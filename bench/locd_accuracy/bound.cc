@@ -51,7 +51,7 @@ void measure_bound(int sets) {
       const Rig rig = rig_named(rig_name);
       const MarkerMap map = true_map(scene);
       SimulatedDrive drive(scene, rig, {});
-      Localizer localizer(rig, map, exactly_told());
+      Localizer localizer(rig, map, {});
       PoseEstimate estimate;
       Errors errors;
       Errors ok;

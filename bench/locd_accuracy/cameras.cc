@@ -19,7 +19,7 @@ std::string alerts_of_cameras(const Rig& true_rig, const Rig& stated, const std:
   options.period_s = 0.2;
   options.seed = seed;
   SimulatedDrive drive(scene, true_rig, options);
-  Localizer localizer(stated, true_map(scene), exactly_told());
+  Localizer localizer(stated, true_map(scene), {});
   PoseEstimate estimate;
   std::string text;
   int others = 0, beyond = 0;

@@ -38,7 +38,7 @@ void measure_faults(int sets) {
       building.markers[a].id = building.markers[b].id;
     }
     SimulatedDrive drive(building, rig, options);
-    Localizer localizer(rig, true_map(scene), exactly_told());
+    Localizer localizer(rig, true_map(scene), {});
     PoseEstimate estimate;
     Errors errors;
     std::set<MarkerId> wrong;

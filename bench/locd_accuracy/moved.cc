@@ -36,7 +36,7 @@ void measure_moved(int sets) {
       DriveOptions options;
       options.period_s = 0.2;
       SimulatedDrive drive(building, rig, options);
-      Localizer localizer(rig, true_map(scene), exactly_told());
+      Localizer localizer(rig, true_map(scene), {});
       PoseEstimate estimate;
       Errors errors;
       std::map<MarkerId, int> chances, named_after;

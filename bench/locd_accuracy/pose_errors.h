@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/base/check.h"
+#include "core/camera/rig_parameters.h"
 #include "core/geometry/symmetric_factor.h"
-#include "locd/pose/localizer_options.h"
 #include "locd/pose/pose_estimate.h"
 #include "locd/pose/pose_gate.h"
 #include "simulator/rig_library.h"
@@ -24,18 +24,11 @@ inline simulator::Scene scene_named(const std::string& name) {
   return *scene;
 }
 
+/// Known without any error, as what locd is told of it.
 inline Rig rig_named(const std::string& name) {
   auto rig = simulator::load_rig(name);
   WAYMARK_CHECK(rig.has_value());
-  return rig->rig;
-}
-
-/// The simulated rig is what locd is told, without any error of calibration or prints.
-inline LocalizerOptions exactly_told() {
-  LocalizerOptions options;
-  options.calibration = CalibrationSigmas::exact();
-  options.size_sigma = 0;
-  return options;
+  return stated_exact(rig->rig);
 }
 
 /// Errors of poses, and what was claimed of them.

@@ -43,7 +43,7 @@ void measure_skew(int sets) {
     options.period_s = 1.0 / 30;
     options.offset_s = {0, 0.011, 0.022};
     SimulatedDrive drive(scene, rig, options);
-    Localizer localizer(rig, true_map(scene), exactly_told());
+    Localizer localizer(rig, true_map(scene), {});
     PoseEstimate estimate;
     Errors errors;
     std::map<ReasonBits, int> reasons;

@@ -37,13 +37,14 @@ Rigid3 knocked(const Rigid3& pose, double turn_rad, double move_m, simulator::Ra
 
 /// As good as calibrations are, in the true rig: locd has the stated one.
 Attack calibration() {
-  return {"calibration 0.05 deg 1 mm 0.1 % 0.5 px k1 0.005",
+  return {"calibration 0.05 deg 1 mm 0.1 % 0.5 px k1 0.005 1 ms",
           [](World& w) {
             auto& r = w.random;
             for (std::size_t c = 0; c < w.rig.cameras.size(); ++c) {
               RigCamera& camera = w.rig.cameras[c];
               camera.model = changed(camera.model, 1e-3 * r.normal(), 0.5 * r.normal(),
                                      0.5 * r.normal(), 0.005 * r.normal());
+              w.drive.late_s[c] = 1e-3 * r.normal();
               if (c == 0) continue;
               Vector6d e;
               for (int i = 0; i < 3; ++i) e[i] = 1e-3 * r.normal();
@@ -118,6 +119,7 @@ Attack readout(double seconds, std::vector<AlertKind> causes) {
             w.drive.readout_s = seconds;
             for (std::size_t c = 0; c < w.rig.cameras.size(); ++c) {
               w.guilty_cameras.insert(static_cast<int>(c));
+              w.told_rig.cameras[c].global_shutter.reset();
             }
           },
           {},

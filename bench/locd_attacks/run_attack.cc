@@ -16,6 +16,16 @@ namespace {
 
 constexpr double kDeg = 180.0 / std::numbers::pi;
 
+/// What a user knows of it: who calibrated it, that rows are read out at once, and that edges are
+/// where they are seen.
+Rig told(Rig rig) {
+  for (RigCamera& camera : rig.cameras) {
+    camera.global_shutter = true;
+    camera.stated_sigmas.edge_px = 0.02;
+  }
+  return rig;
+}
+
 World make_world(const Attack& attack, const AttackRun& run) {
   auto scene = simulator::load_scene(run.scene);
   auto rig = simulator::load_rig(run.rig == "mono" ? "cg120" : run.rig);
@@ -25,7 +35,7 @@ World make_world(const Attack& attack, const AttackRun& run) {
   world.rig = rig->rig;
   if (run.rig == "mono")
     world.rig.cameras.erase(world.rig.cameras.begin() + 1, world.rig.cameras.end());
-  world.told_rig = world.rig;
+  world.told_rig = told(world.rig);
   world.told_map = true_map(*scene);
   world.random = simulator::Random::of({run.seed, 77});
   world.drive.seed = run.seed;

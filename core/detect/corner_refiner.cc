@@ -8,8 +8,10 @@
 #include "core/detect/cell_steps.h"
 #include "core/detect/image_side.h"
 #include "core/detect/marker_plane.h"
+#include "core/detect/side_brake.h"
 #include "core/detect/side_fit.h"
 #include "core/detect/side_search.h"
+#include "core/geometry/line2.h"
 
 namespace waymark {
 namespace {
@@ -25,21 +27,6 @@ bool convex_and_clockwise(const Quad& quad) {
     if (!(in.x() * out.y() - in.y() * out.x() > 0)) return false;
   }
   return true;
-}
-
-struct Line {
-  Eigen::Vector2d point;
-  Eigen::Vector2d direction;
-};
-
-std::optional<Eigen::Vector2d> intersection(const Line& a, const Line& b) {
-  const double determinant = a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x();
-  if (!(std::abs(determinant) > 1e-3 * a.direction.norm() * b.direction.norm())) {
-    return std::nullopt;
-  }
-  const Eigen::Vector2d between = b.point - a.point;
-  const double t = (between.x() * b.direction.y() - between.y() * b.direction.x()) / determinant;
-  return Eigen::Vector2d(a.point + t * a.direction);
 }
 
 /// How much of what a side shows may be the light's doing. Sigmas as shares of the contrast.
@@ -93,7 +80,8 @@ class Refinement {
   std::array<SideAppearance, 4> appearances_;
   std::array<SidePrior, 4> priors_;
   std::array<SideStep, 4> steps_;
-  double last_shift_px_ = 0;
+  std::array<SideBrake, 4> brakes_;
+  double last_shift_px_ = 0;  ///< farthest of any side
 };
 
 Eigen::Vector3d Refinement::axis(const CameraModel& camera) const {
@@ -144,7 +132,8 @@ double Refinement::border_px(std::size_t side) const {
 
 /// Shifts each side's line outward at its ends, and intersects the lines anew.
 std::optional<Failure> Refinement::move_sides(const std::array<Eigen::Vector2d, 4>& shifts_px) {
-  std::array<Line, 4> lines;
+  constexpr double kLeastSine = 1e-3;
+  std::array<Line2, 4> lines;
   for (std::size_t i = 0; i < 4; ++i) {
     const ImageSide& side = *sides_[i];
     const auto start = plane_.plane_from_pixel(side.start_px() + shifts_px[i][0] * side.outward());
@@ -153,7 +142,7 @@ std::optional<Failure> Refinement::move_sides(const std::array<Eigen::Vector2d, 
     lines[i] = {*start, *end - *start};
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto corner = intersection(lines[(i + 3) % 4], lines[i]);
+    const auto corner = intersection(lines[(i + 3) % 4], lines[i], kLeastSine);
     if (!corner) return Failure::not_converged;
     corners_[i] = *corner;
   }
@@ -256,8 +245,9 @@ std::optional<Failure> Refinement::fit_once(int max_columns) {
     const auto step = fit_side(image_, scene, appearances_[i], priors_[i], max_columns);
     if (!step) return Failure::too_small;
     steps_[i] = *step;
+    brakes_[i].slow(appearances_[i], steps_[i]);
     constexpr double kMaxStepPx = 1;
-    shifts_px[i] = step->shift_px.cwiseMax(-kMaxStepPx).cwiseMin(kMaxStepPx);
+    shifts_px[i] = steps_[i].shift_px.cwiseMax(-kMaxStepPx).cwiseMin(kMaxStepPx);
     last_shift_px_ = std::max(last_shift_px_, shifts_px[i].cwiseAbs().maxCoeff());
   }
   for (std::size_t i = 0; i < 4; ++i) {

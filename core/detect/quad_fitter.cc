@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/detect/border_corners.h"
+#include "core/geometry/line2.h"
 
 namespace waymark {
 namespace {
@@ -19,12 +20,7 @@ double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y(
 
 using Corners = BorderCorners;
 
-struct Line {
-  Vector2d point;
-  Vector2d direction;
-};
-
-using Lines = std::array<Line, 4>;
+using Lines = std::array<Line2, 4>;
 
 /// Sums of a straight line's fit, about an origin near its points.
 class LineSums {
@@ -41,7 +37,7 @@ class LineSums {
   [[nodiscard]] int count() const { return count_; }
 
   /// The line with the least squared distances; along `towards`.
-  [[nodiscard]] Line line(const Vector2d& towards) const {
+  [[nodiscard]] Line2 line(const Vector2d& towards) const {
     const Vector2d mean = sum_ / count_;
     const double xx = xx_ / count_ - mean.x() * mean.x();
     const double xy = xy_ / count_ - mean.x() * mean.y();
@@ -76,18 +72,12 @@ class LineSums {
   int count_ = 0;
 };
 
-std::optional<Vector2d> intersection(const Line& a, const Line& b) {
-  constexpr double kLeastSine = 0.05;
-  const double sine = cross(a.direction, b.direction);
-  if (std::abs(sine) < kLeastSine) return std::nullopt;
-  return a.point + cross(b.point - a.point, b.direction) / sine * a.direction;
-}
-
 /// Corner i is where sides i − 1 and i meet.
 std::optional<ImageCorners> intersections(const Lines& lines) {
+  constexpr double kLeastSine = 0.05;
   ImageCorners corners;
   for (std::size_t i = 0; i < 4; ++i) {
-    const auto corner = intersection(lines[(i + 3) % 4], lines[i]);
+    const auto corner = intersection(lines[(i + 3) % 4], lines[i], kLeastSine);
     if (!corner) return std::nullopt;
     corners[i] = *corner;
   }
@@ -226,9 +216,9 @@ class Crossing {
 
 /// A side through the threshold's crossings near `rough`; those off the first fit's line are left
 /// out of a second. nullopt where they cover too little of the side.
-std::optional<Line> line_through_crossings(Border border, const Stretch& stretch,
-                                           const Crossing& crossing, const Line& rough,
-                                           double length) {
+std::optional<Line2> line_through_crossings(Border border, const Stretch& stretch,
+                                            const Crossing& crossing, const Line2& rough,
+                                            double length) {
   constexpr double kNearPx = 1.5;
   constexpr double kNearShare = 0.02;  // of the side: lenses bend it
   constexpr double kLeastGatePx = 0.5;
@@ -246,7 +236,7 @@ std::optional<Line> line_through_crossings(Border border, const Stretch& stretch
     all.add(*point);
   });
   if (all.count() < kFewestPoints) return std::nullopt;
-  const Line first = all.line(rough.direction);
+  const Line2 first = all.line(rough.direction);
   double squares = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double off = cross(first.direction, points[i] - first.point);

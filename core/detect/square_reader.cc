@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/base/check.h"
 #include "core/detect/code_table.h"
 #include "core/geometry/square_homography.h"
 #include "core/marker/marker_codes.h"
@@ -30,16 +31,18 @@ class SquarePixels {
     return image_.row(y)[x];
   }
 
-  /// Mean over the middle of a code's cell within a border.
-  [[nodiscard]] double cell(int cells, double border, double row, double column) const {
-    constexpr std::array<std::array<double, 2>, 5> kSamples{
-        {{0.5, 0.5}, {0.3, 0.3}, {0.7, 0.3}, {0.3, 0.7}, {0.7, 0.7}}};
+  /// Mean over five places of a code's cell within a border: its middle, and four that lie `off`
+  /// (cells) from it to both sides.
+  [[nodiscard]] double cell(int cells, double border, double row, double column,
+                            double off = 0.2) const {
     const double all = cells + 2 * border;
-    double sum = 0;
-    for (const auto& [right, down] : kSamples) {
-      sum += at((border + column + right) / all, (border + row + down) / all);
+    const double right = border + column + 0.5;
+    const double down = border + row + 0.5;
+    double sum = at(right / all, down / all);
+    for (const double x : {right - off, right + off}) {
+      for (const double y : {down - off, down + off}) sum += at(x / all, y / all);
     }
-    return sum / kSamples.size();
+    return sum / 5;
   }
 
  private:
@@ -129,12 +132,14 @@ std::optional<std::uint64_t> code_of(const SquarePixels& pixels, int cells, doub
 
 /// How clearly the square shows a code at a border's width.
 double clearness(const SquarePixels& pixels, const Grid& seen, int cells, double border) {
+  // Near the cells' edges: a width that is off a little takes samples to other cells.
+  constexpr double kOff = 0.4;
   std::array<double, 2> sums{};
   std::array<int, 2> counts{};
   for (int row = 0; row < cells; ++row) {
     for (int column = 0; column < cells; ++column) {
       const std::size_t white = seen.at(row, column) ? 1 : 0;
-      sums[white] += pixels.cell(cells, border, row, column);
+      sums[white] += pixels.cell(cells, border, row, column, kOff);
       ++counts[white];
     }
   }
@@ -153,7 +158,7 @@ double measured_border(const SquarePixels& pixels, const Grid& seen, int cells) 
     tried.emplace_back(border, clearness(pixels, seen, cells, border));
     most = std::max(most, tried.back().second);
   }
-  // Cells are wide: the middle of what is about as clear as the clearest.
+  // Of some widths all samples lie in their cells: the middle of these.
   for (const auto& [border, clear] : tried) {
     if (clear < 0.97 * most) continue;
     sum += border;
@@ -186,6 +191,7 @@ bool SquareLook::could_show(const SquareForm& form) const {
 double SquareReader::chance_of(const SquareForm& form, bool exact) const {
   const auto found = std::find_if(families_.begin(), families_.end(),
                                   [&](const Codes& codes) { return codes.family == form.family; });
+  WAYMARK_CHECK(found != families_.end());
   const int bits = found->cells * found->cells;
   double patterns = 1;
   double combinations = 1;

@@ -52,7 +52,8 @@ class SquareReader {
   /// The same of what its white cells fill alone, whatever is around the border.
   [[nodiscard]] SquareLook read_inside(const GrayView& image, const ImageCorners& code_area) const;
 
-  /// The chance that cells at random read as a code of the form, `exact`: without a wrong bit.
+  /// The chance that cells at random read as a code of the form, whose family is one of families()
+  /// (checked); `exact`: without a wrong bit.
   [[nodiscard]] double chance_of(const SquareForm& form, bool exact) const;
 
   /// Those that stand for all.

@@ -2,9 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
 
 #include "core/geometry/symmetric_factor.h"
 
@@ -13,151 +10,110 @@ namespace {
 
 /// Pose, then velocity.
 constexpr Eigen::Index kMotion = 12;
-/// Nothing is known better than this (usual sigmas, squared): exact calibrations stay invertible.
-constexpr double kLeastVariance = 1e-10;
-
-/// What a careful calibration is known to: the units of all numbers.
-CalibrationVector usual_sigmas() {
-  constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-  CalibrationVector v;
-  v << Eigen::Vector3d::Constant(1e-3), Eigen::Vector3d::Constant(0.05 * kRadPerDeg), 1e-3, 0.5,
-      0.5, 5e-3, 0.02, 1e-3, 1e-3;
-  return v;
-}
-
-bool is_rig_frame(const RigCamera& camera) {
-  return camera.rig_from_cam.translation.isZero() && camera.rig_from_cam.rotation.vec().isZero();
-}
-
-double readout_sigma_s(const RigCamera& camera, const CalibrationSigmas& sigmas) {
-  constexpr double kStatedShare = 0.02;
-  if (camera.global_shutter.value_or(false)) return 0;
-  if (!camera.readout_us) return sigmas.readout_s;
-  return std::min(sigmas.readout_s, kStatedShare * 1e-6 * *camera.readout_us);
-}
 
 }  // namespace
 
-const CalibrationVector& CalibrationPrior::units() {
-  static const CalibrationVector kUnits = usual_sigmas();
-  return kUnits;
-}
-
-CalibrationPrior::CalibrationPrior(const Rig& rig, const CalibrationSigmas& sigmas,
-                                   double size_share)
-    : cameras_(rig.cameras.size()) {
-  const Eigen::Index size = first_of(cameras_) + 1;
-  covariance_.setZero(size, size);
-  for (std::size_t c = 0; c < cameras_; ++c) {
-    CalibrationVector own;
-    own << Eigen::Vector3d::Constant(sigmas.position_m),
-        Eigen::Vector3d::Constant(sigmas.rotation_rad), sigmas.focal, sigmas.principal_px,
-        sigmas.principal_px, sigmas.k1, sigmas.edge_px, sigmas.stamp_s,
-        readout_sigma_s(rig.cameras[c], sigmas);
-    if (is_rig_frame(rig.cameras[c])) own.head<6>().setZero();
-    widen(c, own);
-  }
-  covariance_(size - 1, size - 1) = std::pow(size_share / kSizeUnit, 2);
-  covariance_.diagonal().array() += kLeastVariance;
-}
-
-void CalibrationPrior::widen(std::size_t camera, const CalibrationVector& sigmas) {
-  covariance_.diagonal().segment<kCalibrationNumbers>(first_of(camera)).array() +=
-      (sigmas.array() / units().array()).square();
-}
-
-CalibrationVector CalibrationPrior::variances_of(std::size_t camera) const {
-  return covariance_.diagonal()
-      .segment<kCalibrationNumbers>(first_of(camera))
-      .cwiseProduct(units().cwiseAbs2());
-}
-
-double CalibrationPrior::size_variance() const {
-  return covariance_(size() - 1, size() - 1) * kSizeUnit * kSizeUnit;
-}
-
-ConsiderPose::ConsiderPose(std::size_t cameras) : slot_(cameras, -1) {
-  const Eigen::Index most = kMotion + CalibrationPrior::first_of(cameras) + 1;
+ConsiderPose::ConsiderPose(const CalibrationPrior& prior) : slot_(prior.cameras(), -1) {
+  const Eigen::Index most = kMotion + prior.size();
   hessian_.setZero(most, most);
   inverse_.setZero(most, most);
   prior_.setZero(most, most);
   right_.setZero(most);
   x_.setZero(most);
+  kept_.reserve(static_cast<std::size_t>(prior.size()));
+}
+
+ConsiderPose::Parts ConsiderPose::parts_of(const ConsideredObservation& observation) const {
+  constexpr Eigen::Index kSize = kMotion + kCalibrationNumbers;
+  return {{{0, 0, kMotion},
+           {kMotion, slot_[observation.camera], kCalibrationNumbers},
+           {kSize, first_size_ + static_cast<Eigen::Index>(observation.size), 1},
+           {kSize + 1, first_mode_, modes_}}};
+}
+
+ConsiderPose::OwnColumns ConsiderPose::own_columns_of(const ConsideredObservation& observation) {
+  const ErrorColumns& c = observation.columns;
+  OwnColumns columns;
+  columns << c.by_pose, c.by_velocity, c.by_camera * CalibrationPrior::units().asDiagonal(),
+      c.by_size * CalibrationPrior::kSizeUnit;
+  return columns;
 }
 
 ConsiderPose::Columns ConsiderPose::columns_of(const ConsideredObservation& observation) const {
-  Columns columns;
-  columns << observation.columns.by_pose, observation.columns.by_velocity,
-      observation.columns.by_camera * CalibrationPrior::units().asDiagonal(),
-      observation.columns.by_size * CalibrationPrior::kSizeUnit;
+  Columns columns(8, kOwn + modes_);
+  columns.leftCols<kOwn>() = own_columns_of(observation);
+  columns.rightCols(modes_) = observation.by_modes.leftCols(modes_);
   return columns;
 }
 
 void ConsiderPose::add(const ConsideredObservation& observation) {
-  const Columns j = columns_of(observation);
-  const Eigen::Index camera = slot_of(observation.camera);
-  const Eigen::Index size = size_ - 1;
-  Eigen::Matrix<double, Columns::ColsAtCompileTime, Columns::ColsAtCompileTime> square;
+  const OwnColumns j = own_columns_of(observation);
+  const Vector8d& residual = observation.columns.residual;
+  Eigen::Matrix<double, kOwn, kOwn> square;
   square.noalias() = j.transpose() * j;
-  const Eigen::Matrix<double, Columns::ColsAtCompileTime, 1> pull =
-      j.transpose() * observation.columns.residual;
-  constexpr Eigen::Index kLast = kMotion + kCalibrationNumbers;
-  // The lower triangle alone.
-  hessian_.block<kMotion, kMotion>(0, 0) += square.topLeftCorner<kMotion, kMotion>();
-  hessian_.block<kCalibrationNumbers, kMotion>(camera, 0) +=
-      square.block<kCalibrationNumbers, kMotion>(kMotion, 0);
-  hessian_.block<kCalibrationNumbers, kCalibrationNumbers>(camera, camera) +=
-      square.block<kCalibrationNumbers, kCalibrationNumbers>(kMotion, kMotion);
-  hessian_.block<1, kMotion>(size, 0) += square.block<1, kMotion>(kLast, 0);
-  hessian_.block<1, kCalibrationNumbers>(size, camera) +=
-      square.block<1, kCalibrationNumbers>(kLast, kMotion);
-  hessian_(size, size) += square(kLast, kLast);
-  right_.head<kMotion>() += pull.head<kMotion>();
-  right_.segment<kCalibrationNumbers>(camera) += pull.segment<kCalibrationNumbers>(kMotion);
-  right_[size] += pull[kLast];
+  const Eigen::Matrix<double, kOwn, 1> pull = j.transpose() * residual;
+  const Parts parts = parts_of(observation);
+  // Of the system the lower triangle alone.
+  for (std::size_t a = 0; a < 3; ++a) {
+    right_.segment(parts[a].at, parts[a].count) += pull.segment(parts[a].own, parts[a].count);
+    for (std::size_t b = 0; b <= a; ++b) {
+      hessian_.block(parts[a].at, parts[b].at, parts[a].count, parts[b].count) +=
+          square.block(parts[a].own, parts[b].own, parts[a].count, parts[b].count);
+    }
+  }
+  if (modes_ == 0) return;
+  const ModeColumns& by_modes = observation.by_modes;
+  Eigen::Matrix<double, kMapModes, kOwn> mixed;
+  mixed.noalias() = by_modes.transpose() * j;
+  for (std::size_t b = 0; b < 3; ++b) {
+    hessian_.block(first_mode_, parts[b].at, kMapModes, parts[b].count) +=
+        mixed.middleCols(parts[b].own, parts[b].count);
+  }
+  hessian_.block<kMapModes, kMapModes>(first_mode_, first_mode_) += by_modes.transpose() * by_modes;
+  right_.segment<kMapModes>(first_mode_) += by_modes.transpose() * residual;
+}
+
+/// The system before any observation: the prior of all that may show.
+void ConsiderPose::begin(std::span<const ConsideredObservation> observations,
+                         const CalibrationPrior& prior, const Matrix6d& velocity_covariance) {
+  std::fill(slot_.begin(), slot_.end(), -1);
+  for (const ConsideredObservation& o : observations) slot_[o.camera] = 0;
+  kept_.clear();
+  for (std::size_t c = 0; c < slot_.size(); ++c) {
+    if (slot_[c] < 0) continue;
+    slot_[c] = kMotion + static_cast<Eigen::Index>(kept_.size());
+    for (Eigen::Index i = 0; i < kCalibrationNumbers; ++i) {
+      kept_.push_back(CalibrationPrior::first_of(c) + i);
+    }
+  }
+  modes_ = prior.modes();
+  first_size_ = kMotion + static_cast<Eigen::Index>(kept_.size());
+  for (Eigen::Index i = prior.at_size(0); i < prior.size(); ++i) kept_.push_back(i);
+  size_ = kMotion + static_cast<Eigen::Index>(kept_.size());
+  first_mode_ = size_ - modes_;
+
+  const Eigen::Index numbers = size_ - kMotion;
+  auto known = prior_.topLeftCorner(numbers, numbers);
+  for (Eigen::Index column = 0; column < numbers; ++column) {
+    for (Eigen::Index row = 0; row < numbers; ++row) {
+      known(row, column) = prior.covariance()(kept_[static_cast<std::size_t>(row)],
+                                              kept_[static_cast<std::size_t>(column)]);
+    }
+  }
+  auto h = hessian_.topLeftCorner(size_, size_);
+  h.setZero();
+  right_.head(size_).setZero();
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(known);
+  auto of_calibration = h.bottomRightCorner(numbers, numbers);
+  of_calibration.setIdentity();
+  factor.matrixL().solveInPlace(of_calibration);
+  factor.matrixU().solveInPlace(of_calibration);
+  h.block<6, 6>(6, 6) = SymmetricFactor<6>(velocity_covariance).inverse();
 }
 
 bool ConsiderPose::solve(std::span<const ConsideredObservation> observations,
                          const CalibrationPrior& prior, const Matrix6d& velocity_covariance) {
-  std::fill(slot_.begin(), slot_.end(), -1);
-  for (const ConsideredObservation& o : observations) slot_[o.camera] = 0;
-  size_ = kMotion;
-  for (Eigen::Index& slot : slot_) {
-    if (slot < 0) continue;
-    slot = size_;
-    size_ += kCalibrationNumbers;
-  }
-  ++size_;
-  // The prior of the cameras that see something, and of the size.
-  auto known = prior_.topLeftCorner(size_ - kMotion, size_ - kMotion);
-  const Eigen::Index last = size_ - kMotion - 1;
-  const Eigen::Index prior_last = prior.size() - 1;
-  for (std::size_t a = 0; a < slot_.size(); ++a) {
-    if (slot_[a] < 0) continue;
-    for (std::size_t b = 0; b < slot_.size(); ++b) {
-      if (slot_[b] < 0) continue;
-      known.block<kCalibrationNumbers, kCalibrationNumbers>(slot_[a] - kMotion,
-                                                            slot_[b] - kMotion) =
-          prior.covariance().block<kCalibrationNumbers, kCalibrationNumbers>(
-              CalibrationPrior::first_of(a), CalibrationPrior::first_of(b));
-    }
-    known.block<1, kCalibrationNumbers>(last, slot_[a] - kMotion) =
-        prior.covariance().block<1, kCalibrationNumbers>(prior_last, CalibrationPrior::first_of(a));
-  }
-  known(last, last) = prior.covariance()(prior_last, prior_last);
-
-  auto h = hessian_.topLeftCorner(size_, size_);
-  auto inverse = inverse_.topLeftCorner(size_, size_);
-  h.setZero();
-  right_.head(size_).setZero();
-  {
-    Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(known);
-    auto of_calibration = h.bottomRightCorner(size_ - kMotion, size_ - kMotion);
-    of_calibration.setIdentity();
-    factor.matrixL().solveInPlace(of_calibration);
-    factor.matrixU().solveInPlace(of_calibration);
-  }
-  h.block<6, 6>(6, 6) = SymmetricFactor<6>(velocity_covariance).inverse();
+  begin(observations, prior, velocity_covariance);
   misfit_ = 0;
   freedoms_ = -6;
   for (const ConsideredObservation& o : observations) {
@@ -166,6 +122,7 @@ bool ConsiderPose::solve(std::span<const ConsideredObservation> observations,
     misfit_ += o.columns.residual.squaredNorm();
     freedoms_ += 8;
   }
+  auto h = hessian_.topLeftCorner(size_, size_);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(h);
   if (factor.info() != Eigen::Success) return false;
   auto x = x_.head(size_);
@@ -173,40 +130,39 @@ bool ConsiderPose::solve(std::span<const ConsideredObservation> observations,
   factor.matrixL().solveInPlace(x);
   misfit_ -= x.squaredNorm();
   factor.matrixU().solveInPlace(x);
+  auto inverse = inverse_.topLeftCorner(size_, size_);
   inverse.setIdentity();
   factor.matrixL().solveInPlace(inverse);
   factor.matrixU().solveInPlace(inverse);
   return x.allFinite() && inverse.allFinite();
 }
 
-ConsiderPose::Touched ConsiderPose::touched_by(std::size_t camera) const {
-  struct Part {
-    Eigen::Index to, from, count;
-  };
-  const std::array<Part, 3> parts{{{0, 0, kMotion},
-                                   {kMotion, slot_[camera], kCalibrationNumbers},
-                                   {kMotion + kCalibrationNumbers, size_ - 1, 1}}};
+ConsiderPose::Touched ConsiderPose::touched_by(const ConsideredObservation& observation) const {
+  const Parts parts = parts_of(observation);
+  const Eigen::Index count = parts.back().own + parts.back().count;
   Touched touched;
+  touched.value.resize(count);
+  touched.covariance.resize(count, count);
   for (const Part& a : parts) {
-    touched.value.segment(a.to, a.count) = x_.segment(a.from, a.count);
+    touched.value.segment(a.own, a.count) = x_.segment(a.at, a.count);
     for (const Part& b : parts) {
-      touched.covariance.block(a.to, b.to, a.count, b.count) =
-          inverse_.block(a.from, b.from, a.count, b.count);
+      touched.covariance.block(a.own, b.own, a.count, b.count) =
+          inverse_.block(a.at, b.at, a.count, b.count);
     }
   }
   return touched;
 }
 
 Eigen::Matrix<double, 6, 8> ConsiderPose::gain(const ConsideredObservation& observation) const {
-  return touched_by(observation.camera).covariance.topRows<6>() *
-         columns_of(observation).transpose();
+  return touched_by(observation).covariance.topRows<6>() * columns_of(observation).transpose();
 }
 
 double ConsiderPose::squared_sigmas(const ConsideredObservation& observation) const {
   const Columns j = columns_of(observation);
-  const Touched touched = touched_by(observation.camera);
+  const Touched touched = touched_by(observation);
   const Vector8d left = observation.columns.residual - j * touched.value;
-  const Matrix8d of_pose = j * touched.covariance * j.transpose();
+  const Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, kMostTouched> half = j * touched.covariance;
+  const Matrix8d of_pose = half * j.transpose();
   // Leave-one-out of what carries the pose; the plain sum of what does not.
   const double sign = observation.used ? -1 : 1;
   const Matrix8d covariance = Matrix8d::Identity() + sign * of_pose;

@@ -1,62 +1,35 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <span>
 #include <vector>
 
-#include "core/camera/rig.h"
-#include "core/estimate/calibration_sigmas.h"
+#include "core/estimate/calibration_prior.h"
 #include "core/estimate/error_columns.h"
 
 namespace waymark {
 
-/// What is known of a rig's calibration errors and of the markers' sizes before a set: zero, with a
-/// covariance. Everything is kept in units of usual sigmas, so that numbers of all kinds are alike.
-class CalibrationPrior {
- public:
-  /// All cameras alike; the place of the one whose frame is the rig's is what it is by definition.
-  /// `size_share`: sigma of the prints' size.
-  CalibrationPrior(const Rig& rig, const CalibrationSigmas& sigmas, double size_share);
-
-  [[nodiscard]] std::size_t cameras() const { return cameras_; }
-  /// Numbers in all: 13 per camera, and 1.
-  [[nodiscard]] Eigen::Index size() const { return covariance_.rows(); }
-  [[nodiscard]] static Eigen::Index first_of(std::size_t camera) {
-    return static_cast<Eigen::Index>(camera) * kCalibrationNumbers;
-  }
-  /// In units of usual sigmas, squared.
-  [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
-  /// The camera's variances in their own units.
-  [[nodiscard]] CalibrationVector variances_of(std::size_t camera) const;
-  [[nodiscard]] double size_variance() const;
-
-  /// Numbers that may be wrong by so much more, independently of all else: `sigmas` in their units.
-  void widen(std::size_t camera, const CalibrationVector& sigmas);
-
-  /// The usual sigmas: what one unit is.
-  [[nodiscard]] static const CalibrationVector& units();
-  static constexpr double kSizeUnit = 1e-3;
-
- private:
-  std::size_t cameras_;
-  Eigen::MatrixXd covariance_;
-};
+/// How an observation moves with each of the map's modes.
+using ModeColumns = Eigen::Matrix<double, 8, kMapModes>;
 
 /// One observation, whitened by its noise and its marker's own error.
 struct ConsideredObservation {
   std::size_t camera = 0;
+  std::size_t size = 0;  ///< of its marker, among the prior's
   ErrorColumns columns;
-  bool used = false;  ///< carries the pose
+  ModeColumns by_modes = ModeColumns::Zero();  ///< read where the prior has modes
+  bool used = false;                           ///< carries the pose
 };
 
 /// A pose with consider parameters: the calibration's errors and the velocity's are estimated along
 /// with it from one set under their prior, so that its covariance holds them, no observation is
 /// called wrong for them, and what the set itself tells of them is used. Least squares in closed
-/// form, one linearization. Holds its working memory; allocates nothing once it has seen all
-/// cameras.
+/// form, one linearization. Holds its working memory: solving allocates nothing.
 class ConsiderPose {
  public:
-  explicit ConsiderPose(std::size_t cameras);
+  /// For priors of so many cameras, sizes and modes as this one.
+  explicit ConsiderPose(const CalibrationPrior& prior);
 
   /// At the observations' linearization. `velocity_covariance`: of the velocity that they were
   /// moved by; of no meaning where all corners are of the pose's own instant. False: they don't
@@ -78,21 +51,38 @@ class ConsiderPose {
   [[nodiscard]] double squared_sigmas(const ConsideredObservation& observation) const;
 
  private:
-  using Columns = Eigen::Matrix<double, 8, 12 + kCalibrationNumbers + 1>;
-  using Own = Eigen::Matrix<double, 12 + kCalibrationNumbers + 1, 12 + kCalibrationNumbers + 1>;
-  /// The numbers that an observation of this camera touches, side by side, and their covariance.
-  struct Touched {
-    Eigen::Matrix<double, Own::ColsAtCompileTime, 1> value;
-    Own covariance;
+  static constexpr int kOwn = 12 + kCalibrationNumbers + 1;
+  static constexpr int kMostTouched = kOwn + kMapModes;
+  /// By pose and velocity, by its camera's numbers, by its size.
+  using OwnColumns = Eigen::Matrix<double, 8, kOwn>;
+  /// The same, then by modes.
+  using Columns = Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, kMostTouched>;
+  /// Some numbers that an observation touches: where they stand among its own, in the system and
+  /// in the prior.
+  struct Part {
+    Eigen::Index own, at, count;
   };
-  [[nodiscard]] Touched touched_by(std::size_t camera) const;
+  using Parts = std::array<Part, 4>;
+  /// The numbers that an observation touches, side by side, and their covariance.
+  struct Touched {
+    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostTouched, 1> value;
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostTouched, kMostTouched> covariance;
+  };
+  [[nodiscard]] Parts parts_of(const ConsideredObservation& observation) const;
+  [[nodiscard]] Touched touched_by(const ConsideredObservation& observation) const;
+  [[nodiscard]] static OwnColumns own_columns_of(const ConsideredObservation& observation);
   [[nodiscard]] Columns columns_of(const ConsideredObservation& observation) const;
+  void begin(std::span<const ConsideredObservation> observations, const CalibrationPrior& prior,
+             const Matrix6d& velocity_covariance);
   /// Adds JᵀJ and Jᵀy of one observation where its numbers stand.
   void add(const ConsideredObservation& observation);
-  [[nodiscard]] Eigen::Index slot_of(std::size_t camera) const { return slot_[camera]; }
 
   std::vector<Eigen::Index> slot_;  ///< of each camera, −1: sees nothing
-  Eigen::Index size_ = 0;           ///< of the system
+  std::vector<Eigen::Index> kept_;  ///< of the prior's numbers those in the system, in its order
+  Eigen::Index first_size_ = 0;     ///< where sizes begin in the system
+  Eigen::Index first_mode_ = 0;
+  Eigen::Index modes_ = 0;
+  Eigen::Index size_ = 0;  ///< of the system
   Eigen::MatrixXd hessian_;
   Eigen::MatrixXd inverse_;
   Eigen::MatrixXd prior_;

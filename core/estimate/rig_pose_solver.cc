@@ -54,6 +54,17 @@ RigPoseSolver::RigPoseSolver(const Rig& rig, const RigPoseOptions& options) : op
   }
 }
 
+void RigPoseSolver::reserve(std::size_t observations) {
+  // An observation gives two candidates; priors add a few.
+  constexpr std::size_t kPriors = 4;
+  const std::size_t candidates = 2 * observations + kPriors;
+  by_size_.reserve(observations);
+  candidates_.reserve(candidates);
+  starts_.reserve(candidates);
+  optima_.reserve(candidates);
+  ranked_.reserve(candidates);
+}
+
 bool RigPoseSolver::same(const Rigid3& a, const Rigid3& b) const {
   return angle_between_rad(a.rotation, b.rotation) < options_.distinct_rad &&
          (a.translation - b.translation).norm() < options_.distinct_m;

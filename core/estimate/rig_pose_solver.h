@@ -66,6 +66,9 @@ class RigPoseSolver {
   /// valid (checked).
   RigPoseSolver(const Rig& rig, const RigPoseOptions& options);
 
+  /// For so many observations: with fewer it allocates nothing.
+  void reserve(std::size_t observations);
+
   /// nullopt when no candidate exists (no observation has an IPPE solution and there is no prior)
   /// or nothing can be projected. `priors` (world_from_rig) are further candidates; they are always
   /// refined.

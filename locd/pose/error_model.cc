@@ -9,13 +9,13 @@
 namespace waymark {
 namespace {
 
-/// Markers of a camera that tell of its noise, per set.
-constexpr std::size_t kNoiseMarkers = 8;
 /// Beyond, an observation's fault is not linear: it is looked for in other ways.
 constexpr double kLinear_m = 0.35;
 constexpr double kLinear_rad = 0.25;
 /// Observations of a camera that can tell what is wrong with it.
 constexpr int kCameraViews = 24;
+/// Kinds of faults of a camera.
+constexpr std::size_t kKindsOfCamera = 4;
 /// Newer observations that can speak against a verdict.
 constexpr int kViewsToRevoke = 8;
 
@@ -65,78 +65,44 @@ Status ErrorModelOptions::check() const {
 }
 
 ErrorModel::ErrorModel(const Rig& rig, const MapIndex& map, MapWatch& markers,
-                       const CalibrationSigmas& sigmas, double size_sigma,
-                       const ErrorModelOptions& options)
+                       const CalibrationPrior& prior, const ErrorModelOptions& options)
     : rig_(rig),
       map_(map),
       markers_(markers),
       options_(options),
-      prior_(rig, sigmas, size_sigma),
-      known_{{}, prior_},
-      noise_(rig.cameras.size()),
-      noisy_(rig.cameras.size(), 0),
-      evidence_(rig.cameras.size(), map.size()),
-      explanations_(rig.cameras.size(), map) {
+      prior_(prior),
+      known_{{}, prior},
+      noise_(map, rig.cameras.size()),
+      evidence_(prior, map.size()),
+      explanations_(prior, map) {
   WAYMARK_CHECK(options.check().has_value());
   rows_.reserve(kMaxObservations);
   waiting_.observations.reserve(kMaxObservations);
+  const std::size_t most = kKindsOfCamera * rig.cameras.size();
+  verdicts_.reserve(most);
+  believed_.reserve(most + Evidence::kMostMarkers);
+  evidence_.sum(1, system_);
 }
 
 void ErrorModel::begin(bool covariances_stated) {
-  for (CornerNoise& noise : noise_) noise.begin(covariances_stated);
+  noise_.begin(covariances_stated);
   believe();
-}
-
-/// Prior and noise for the next set.
-void ErrorModel::believe() {
-  for (std::size_t c = 0; c < noise_.size(); ++c) known_.noise_px[c] = noise_[c].sigma_px();
-  known_.calibration = prior_;
-  for (const Verdict& verdict : verdicts_) {
-    known_.calibration.widen(static_cast<std::size_t>(verdict.what.camera),
-                             Explanations::widths_of(verdict.what.kind));
-  }
 }
 
 void ErrorModel::learn_noise(Stamp stamp, std::span<const SetObservation> observations,
                              const PoseSolution* solution, const RigPoseSolver& solver,
                              std::vector<Alert>& alerts) {
-  std::array<std::size_t, kMaxCameras> taken{};
-  const std::size_t count = observations.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    // By turns, where there are many.
-    const SetObservation& o = observations[(next_marker_ + i) % count];
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    if (taken[camera] == kNoiseMarkers) continue;
-    std::optional<Rigid3> near;
-    if (solution != nullptr && o.inlier) {
-      near = solver.cam_from_rig(camera) * solution->world_from_rig.inverse() *
-             map_.marker(o.map_index).world_from_marker;
-    }
-    const auto left = left_by_own_pose(o, solver.model(camera), near, noise_[camera].sigma_px());
-    if (!left) continue;
-    noise_[camera].add(*left);
-    ++taken[camera];
-  }
-  next_marker_ += kNoiseMarkers;
-  for (std::size_t c = 0; c < noise_.size(); ++c) {
-    if (taken[c] > 0) noise_[c].update();
-    known_.noise_px[c] = noise_[c].sigma_px();
-  }
-  tell_noise(stamp, alerts);
+  noise_.learn(stamp, observations, solution, solver, alerts);
+  known_.noise_px = noise_.sigmas_px();
 }
 
-void ErrorModel::tell_noise(Stamp stamp, std::vector<Alert>& alerts) {
-  for (std::size_t c = 0; c < noise_.size(); ++c) {
-    const bool noisy = noise_[c].unusual();
-    if (noisy == (noisy_[c] != 0)) continue;
-    noisy_[c] = noisy ? 1 : 0;
-    Alert alert;
-    alert.kind = AlertKind::corners_noisy;
-    alert.raised = noisy;
-    alert.stamp = stamp;
-    alert.camera = static_cast<int>(c);
-    alert.value = noise_[c].total_px();
-    alerts.push_back(alert);
+/// Prior and noise for the next set.
+void ErrorModel::believe() {
+  known_.noise_px = noise_.sigmas_px();
+  known_.calibration = prior_;
+  for (const Verdict& verdict : verdicts_) {
+    known_.calibration.widen(static_cast<std::size_t>(verdict.what.camera),
+                             Explanations::widths_of(verdict.what.kind));
   }
 }
 
@@ -182,7 +148,8 @@ void ErrorModel::make_rows(const Waiting& set, const Vector6d& velocity, const R
     if (!is_linear(*columns)) continue;
     const Rigid3 cam_from_marker =
         geometry.cam_from_rig * geometry.world_from_rig.inverse() * geometry.world_from_marker;
-    rows_.push_back({o.map_index, camera, view_of(o, *geometry.camera, cam_from_marker), *columns});
+    rows_.push_back({o.map_index, camera, prior_.size_of(map_.marker(o.map_index)),
+                     view_of(o, *geometry.camera, cam_from_marker), *columns});
   }
 }
 
@@ -205,7 +172,7 @@ void ErrorModel::update(Stamp stamp, std::span<const SetObservation> observation
   waiting_.before = before;
   waiting_.there =
       std::all_of(observations.begin(), observations.end(), [&](const SetObservation& o) {
-        return noise_[static_cast<std::size_t>(o.observation.camera)].settled();
+        return noise_.settled(static_cast<std::size_t>(o.observation.camera));
       });
 }
 

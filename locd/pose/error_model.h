@@ -8,11 +8,11 @@
 
 #include "core/camera/rig.h"
 #include "locd/alert.h"
-#include "locd/pose/corner_noise.h"
 #include "locd/pose/evidence.h"
 #include "locd/pose/explanations.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
+#include "locd/pose/noise_watch.h"
 #include "locd/pose/robust_pose.h"
 
 namespace waymark {
@@ -42,14 +42,13 @@ struct ErrorModelOptions {
 class ErrorModel {
  public:
   /// The options are valid (checked). Rig, map and `markers`, which keeps who is quarantined, must
-  /// outlive it. `sigmas` of the cameras, `size_sigma` of prints (share).
-  ErrorModel(const Rig& rig, const MapIndex& map, MapWatch& markers,
-             const CalibrationSigmas& sigmas, double size_sigma,
+  /// outlive it. `prior`: how sure calibration, sizes and map are before anything was seen.
+  ErrorModel(const Rig& rig, const MapIndex& map, MapWatch& markers, const CalibrationPrior& prior,
              const ErrorModelOptions& options = {});
 
   /// Corners' noise before anything was seen.
   void begin(bool covariances_stated);
-  [[nodiscard]] bool begun() const { return noise_.front().begun(); }
+  [[nodiscard]] bool begun() const { return noise_.begun(); }
   /// What to solve the next set with.
   [[nodiscard]] const KnownErrors& known() const { return known_; }
 
@@ -93,7 +92,6 @@ class ErrorModel {
   [[nodiscard]] std::optional<ErrorColumns> columns_of(const SetObservation& o,
                                                        ObservationGeometry geometry,
                                                        const Vector6d& velocity) const;
-  void tell_noise(Stamp stamp, std::vector<Alert>& alerts);
   void make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust);
   /// Whether a block of sets on its own speaks rather for another explanation, or for none.
   [[nodiscard]] bool contradicted_by_block(int age, const Explanation& what);
@@ -113,9 +111,7 @@ class ErrorModel {
   ErrorModelOptions options_;
   CalibrationPrior prior_;  ///< as the calibration states
   KnownErrors known_;
-  std::vector<CornerNoise> noise_;
-  std::vector<char> noisy_;  ///< cameras of which NOISE was said
-  std::size_t next_marker_ = 0;
+  NoiseWatch noise_;
   Evidence evidence_;
   Explanations explanations_;
   Evidence::System system_;

@@ -19,19 +19,20 @@ std::size_t place_of(std::uint64_t view) {
 
 }  // namespace
 
-Evidence::Evidence(std::size_t cameras, std::size_t map_markers)
-    : cameras_(cameras),
-      calibration_(CalibrationPrior::first_of(cameras) + 1),
+Evidence::Evidence(const CalibrationPrior& prior, std::size_t map_markers)
+    : cameras_(prior.cameras()),
+      first_size_(prior.at_size(0)),
+      calibration_(prior.numbers()),
       slot_of_marker_(map_markers, -1),
       marker_of_slot_(kMostMarkers, kNone),
       seen_views_(kViewTable, 0) {
-  touched_.reserve(cameras + 1 + kMostMarkers);
+  touched_.reserve(cameras_ + prior.sizes() + kMostMarkers);
   const Eigen::Index size = calibration_ + 6 * static_cast<Eigen::Index>(kMostMarkers);
   for (Block& block : blocks_) {
     block.information.setZero(size, size);
     block.evidence.setZero(size);
     block.views.assign(kMostMarkers, 0);
-    block.sets_of_camera.assign(cameras, 0);
+    block.sets_of_camera.assign(cameras_, 0);
   }
   cross_.setZero(6, size);
 }
@@ -97,7 +98,7 @@ void Evidence::add(std::span<const EvidenceRow> rows) {
     const auto slot = slot_for(row.map_index);
     if (!slot) continue;
     const std::array<Part, 3> parts{{{CalibrationPrior::first_of(row.camera), kCalibration},
-                                     {calibration_ - 1, 1},
+                                     {first_size_ + static_cast<Eigen::Index>(row.size), 1},
                                      {calibration_ + 6 * static_cast<Eigen::Index>(*slot), 6}}};
     Eigen::Matrix<double, 8, kCalibration + 1 + 6> columns;
     columns << row.columns.by_camera * CalibrationPrior::units().asDiagonal(),
@@ -106,10 +107,12 @@ void Evidence::add(std::span<const EvidenceRow> rows) {
     for (std::size_t a = 0; a < 3; ++a) {
       const auto of_a = columns.middleCols(from[a], parts[a].size);
       touch(parts[a]);
-      block.evidence.segment(parts[a].at, parts[a].size) += of_a.transpose() * row.columns.residual;
-      cross_.middleCols(parts[a].at, parts[a].size) += row.columns.by_pose.transpose() * of_a;
+      block.evidence.segment(parts[a].at, parts[a].size).noalias() +=
+          of_a.transpose() * row.columns.residual;
+      cross_.middleCols(parts[a].at, parts[a].size).noalias() +=
+          row.columns.by_pose.transpose() * of_a;
       for (std::size_t b = 0; b < 3; ++b) {
-        block.information.block(parts[a].at, parts[b].at, parts[a].size, parts[b].size) +=
+        block.information.block(parts[a].at, parts[b].at, parts[a].size, parts[b].size).noalias() +=
             of_a.transpose() * columns.middleCols(from[b], parts[b].size);
       }
     }
@@ -125,11 +128,11 @@ void Evidence::add(std::span<const EvidenceRow> rows) {
   for (const Part& a : touched_) {
     auto of_a = cross_.middleCols(a.at, a.size);
     factor.matrixL().solveInPlace(of_a);
-    block.evidence.segment(a.at, a.size) -= of_a.transpose() * pull;
+    block.evidence.segment(a.at, a.size).noalias() -= of_a.transpose() * pull;
   }
   for (const Part& a : touched_) {
     for (const Part& b : touched_) {
-      block.information.block(a.at, b.at, a.size, b.size) -=
+      block.information.block(a.at, b.at, a.size, b.size).noalias() -=
           cross_.middleCols(a.at, a.size).transpose() * cross_.middleCols(b.at, b.size);
     }
   }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "core/estimate/consider_pose.h"
+#include "core/estimate/calibration_prior.h"
 
 namespace waymark {
 
@@ -14,12 +14,13 @@ namespace waymark {
 struct EvidenceRow {
   std::size_t map_index = 0;
   std::size_t camera = 0;
+  std::size_t size = 0;    ///< of its marker, among CalibrationPrior's
   std::uint64_t view = 0;  ///< from where it is seen, and where in the image: alike ones are equal
   ErrorColumns columns;
 };
 
 /// Least squares over frame sets in which the rig moved, every set's own pose eliminated: what they
-/// say together of the calibration's numbers (CalibrationPrior's order and units) and of the
+/// say together of the numbers of cameras and sizes (CalibrationPrior's order and units) and of the
 /// markers' places (Rigid3's tangents). Kept in blocks of sets, so that what is old can go.
 ///
 /// Only what is seen anew counts: a set of which less than half the views are new adds nothing, for
@@ -31,7 +32,7 @@ class Evidence {
   /// Markers that are asked about at a time; of more, the first seen.
   static constexpr std::size_t kMostMarkers = 32;
 
-  Evidence(std::size_t cameras, std::size_t map_markers);
+  Evidence(const CalibrationPrior& prior, std::size_t map_markers);
 
   /// Whether half of the views are new; remembers them.
   [[nodiscard]] bool is_new(std::span<const EvidenceRow> rows);
@@ -54,7 +55,6 @@ class Evidence {
   void sum(int blocks, System& system) const;
   /// One block alone: 0 the newest, 1 the one before.
   void block(int age, System& system) const;
-  [[nodiscard]] Eigen::Index calibration_size() const { return calibration_; }
 
  private:
   struct Block {
@@ -76,7 +76,8 @@ class Evidence {
   void touch(const Part& part);
 
   std::size_t cameras_;
-  Eigen::Index calibration_;
+  Eigen::Index first_size_;
+  Eigen::Index calibration_;                 ///< numbers of cameras and sizes
   std::vector<int> slot_of_marker_;          ///< −1: none
   std::vector<std::size_t> marker_of_slot_;  ///< kNone: free
   std::array<Block, kBlocks> blocks_;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/sliced_products.h"
+
 namespace waymark {
 namespace {
 
@@ -61,83 +63,132 @@ CalibrationVector Explanations::widths_of(AlertKind kind) {
   return widths;
 }
 
-Explanations::Explanations(std::size_t cameras, const MapIndex& map)
-    : map_(map), cameras_(cameras) {
+Explanations::Explanations(const CalibrationPrior& prior, const MapIndex& map)
+    : map_(map), cameras_(prior.cameras()) {
+  constexpr std::size_t kKindsOfCamera = 4;
   slots_.reserve(Evidence::kMostMarkers);
-  scores_.reserve(4 * cameras + Evidence::kMostMarkers);
+  own_roots_.reserve(Evidence::kMostMarkers);
+  scores_.reserve(kKindsOfCamera * cameras_ + Evidence::kMostMarkers);
+  const Eigen::Index markers = 6 * static_cast<Eigen::Index>(Evidence::kMostMarkers);
+  const Eigen::Index size = prior.numbers() + markers;
+  const Eigen::Index freedoms = prior.size() + markers;
+  information_.setZero(size, size);
+  evidence_.setZero(size);
+  shared_root_.setZero(prior.modes() + size, prior.size());
+  kernel_.setZero(freedoms, freedoms);
+  reduced_.setZero(freedoms, size);
+  answered_.setZero(freedoms);
 }
 
-/// Gathers what was seen, and eliminates all numbers under their prior.
-void Explanations::reduce(const Evidence::System& system, const CalibrationPrior& prior,
-                          std::span<const Explanation> believed) {
+void Explanations::select(const Evidence::System& system, const CalibrationPrior& prior) {
   slots_.clear();
   for (std::size_t i = 0; i < system.views.size(); ++i) {
     if (system.views[i] > 0) slots_.push_back(i);
   }
-  const Eigen::Index calibration = prior.size();
-  const Eigen::Index size = calibration + 6 * static_cast<Eigen::Index>(slots_.size());
-  const auto at = [&](std::size_t i) {
-    return calibration + 6 * static_cast<Eigen::Index>(slots_[i]);
+  numbers_ = prior.numbers();
+  shared_ = prior.size();
+  size_ = numbers_ + 6 * static_cast<Eigen::Index>(slots_.size());
+  const auto from = [&](std::size_t i) {
+    return numbers_ + 6 * static_cast<Eigen::Index>(slots_[i]);
   };
-  information_.resize(size, size);
-  evidence_.resize(size);
-  information_.topLeftCorner(calibration, calibration) =
-      system.information.topLeftCorner(calibration, calibration);
-  evidence_.head(calibration) = system.evidence.head(calibration);
+  information_.topLeftCorner(numbers_, numbers_) =
+      system.information.topLeftCorner(numbers_, numbers_);
+  evidence_.head(numbers_) = system.evidence.head(numbers_);
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    const Eigen::Index to = calibration + 6 * static_cast<Eigen::Index>(i);
-    evidence_.segment<6>(to) = system.evidence.segment<6>(at(i));
-    information_.block(to, 0, 6, calibration) = system.information.block(at(i), 0, 6, calibration);
-    information_.block(0, to, calibration, 6) = system.information.block(0, at(i), calibration, 6);
+    const Eigen::Index to = numbers_ + 6 * static_cast<Eigen::Index>(i);
+    evidence_.segment<6>(to) = system.evidence.segment<6>(from(i));
+    information_.block(to, 0, 6, numbers_) = system.information.block(from(i), 0, 6, numbers_);
+    information_.block(0, to, numbers_, 6) = system.information.block(0, from(i), numbers_, 6);
     for (std::size_t k = 0; k < slots_.size(); ++k) {
-      information_.block<6, 6>(to, calibration + 6 * static_cast<Eigen::Index>(k)) =
-          system.information.block<6, 6>(at(i), at(k));
+      information_.block<6, 6>(to, numbers_ + 6 * static_cast<Eigen::Index>(k)) =
+          system.information.block<6, 6>(from(i), from(k));
     }
   }
-  // R Rᵀ is the prior; numbers that can't be wrong have no column.
-  Eigen::MatrixXd known = prior.covariance();
+}
+
+bool Explanations::take_roots(const Evidence::System& system, const CalibrationPrior& prior,
+                              std::span<const Explanation> believed) {
+  // Numbers, then modes, then what markers follow of the modes.
+  auto shared = shared_root_.topRows(shared_);
+  shared = prior.covariance();
   for (const Explanation& e : believed) {
     if (e.of_marker()) continue;
-    known.diagonal()
+    shared.diagonal()
         .segment<kCalibrationNumbers>(
             CalibrationPrior::first_of(static_cast<std::size_t>(e.camera)))
         .array() += (widths_of(e.kind).array() / CalibrationPrior::units().array()).square();
   }
-  root_.setZero(size, size);
-  root_.topLeftCorner(calibration, calibration) = known.llt().matrixL();
-  Eigen::Index column = calibration;
+  if (!factor_in_place(shared)) return false;
+  shared.triangularView<Eigen::StrictlyUpper>().setZero();
+  own_roots_.clear();
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    Matrix6d covariance = map_.marker(system.markers[slots_[i]]).covariance;
-    const Explanation own{AlertKind::marker_moved, -1, system.markers[slots_[i]]};
-    if (std::find(believed.begin(), believed.end(), own) != believed.end()) {
-      covariance.diagonal().head<3>().array() += kMoved_m * kMoved_m;
-      covariance.diagonal().tail<3>().array() += kTurned_rad * kTurned_rad;
-    } else if (covariance.diagonal().maxCoeff() <= 0) {
+    const std::size_t map_index = system.markers[slots_[i]];
+    const Eigen::Index row = 6 * static_cast<Eigen::Index>(i);
+    auto following = shared_root_.middleRows<6>(shared_ + row);
+    following.setZero();
+    if (prior.modes() > 0) {
+      const Eigen::Matrix<double, 6, kMapModes> modes = map_.marker(map_index).modes.cast<double>();
+      add_product(modes, shared.bottomRows(kMapModes), following);
+    }
+    Matrix6d own = map_.own_covariance(map_index);
+    const Explanation moved{AlertKind::marker_moved, -1, map_index};
+    if (std::find(believed.begin(), believed.end(), moved) != believed.end()) {
+      own.diagonal().head<3>().array() += kMoved_m * kMoved_m;
+      own.diagonal().tail<3>().array() += kTurned_rad * kTurned_rad;
+    } else if (own.diagonal().maxCoeff() <= 0) {
       continue;
     }
-    covariance.diagonal().array() += 1e-12;
-    const Eigen::Index row = calibration + 6 * static_cast<Eigen::Index>(i);
-    root_.block<6, 6>(row, column) = Matrix6d(covariance.llt().matrixL());
-    column += 6;
+    own.diagonal().array() += 1e-12;
+    own_roots_.push_back({numbers_ + row, Matrix6d(own.llt().matrixL())});
   }
-  const auto root = root_.leftCols(column);
-  reduced_.noalias() = root.transpose() * information_;
-  Eigen::MatrixXd kernel = reduced_ * root;
-  kernel.diagonal().array() += 1;
-  const Eigen::LLT<Eigen::MatrixXd> factor(kernel);
-  factor.matrixL().solveInPlace(reduced_);
-  answered_ = root.transpose() * evidence_;
-  factor.matrixL().solveInPlace(answered_);
+  return true;
+}
+
+bool Explanations::reduce(const Evidence::System& system, const CalibrationPrior& prior,
+                          std::span<const Explanation> believed) {
+  select(system, prior);
+  if (!take_roots(system, prior, believed)) return false;
+  const Eigen::Index markers = size_ - numbers_;
+  freedoms_ = shared_ + 6 * static_cast<Eigen::Index>(own_roots_.size());
+  const auto a = information_.topLeftCorner(size_, size_);
+  const auto of_numbers = shared_root_.topRows(numbers_);
+  const auto of_markers = shared_root_.middleRows(shared_, markers);
+  auto reduced = reduced_.topLeftCorner(freedoms_, size_);
+  reduced.topRows(shared_).setZero();
+  add_transposed_product(of_numbers, a.topRows(numbers_), reduced.topRows(shared_));
+  add_transposed_product(of_markers, a.bottomRows(markers), reduced.topRows(shared_));
+  answered_.head(shared_).noalias() = of_numbers.transpose() * evidence_.head(numbers_);
+  answered_.head(shared_).noalias() +=
+      of_markers.transpose() * evidence_.segment(numbers_, markers);
+  Eigen::Index at = shared_;
+  for (const OwnRoot& own : own_roots_) {
+    reduced.middleRows<6>(at).noalias() = own.root.transpose() * a.middleRows<6>(own.row);
+    answered_.segment<6>(at) = own.root.transpose() * evidence_.segment<6>(own.row);
+    at += 6;
+  }
+  auto kernel = kernel_.topLeftCorner(freedoms_, freedoms_);
+  kernel.setIdentity();
+  add_product(reduced.leftCols(numbers_), of_numbers, kernel.leftCols(shared_));
+  add_product(reduced.rightCols(markers), of_markers, kernel.leftCols(shared_));
+  at = shared_;
+  for (const OwnRoot& own : own_roots_) {
+    kernel.middleCols<6>(at).noalias() += reduced.middleCols<6>(own.row) * own.root;
+    at += 6;
+  }
+  if (!factor_in_place(kernel)) return false;
+  solve_in_place(kernel, reduced);
+  solve_in_place(kernel, answered_.head(freedoms_));
+  return true;
 }
 
 void Explanations::score_camera(const Evidence::System& system, int camera, AlertKind kind) {
   const Eigen::Index at = CalibrationPrior::first_of(static_cast<std::size_t>(camera));
   using Square = Eigen::Matrix<double, kCalibrationNumbers, kCalibrationNumbers>;
-  const auto reduced = reduced_.middleCols<kCalibrationNumbers>(at);
-  const Square information = information_.block<kCalibrationNumbers, kCalibrationNumbers>(at, at) -
-                             reduced.transpose() * reduced;
-  const CalibrationVector evidence =
-      evidence_.segment<kCalibrationNumbers>(at) - reduced.transpose() * answered_;
+  const auto reduced = reduced_.topRows(freedoms_).middleCols<kCalibrationNumbers>(at);
+  Square information = information_.block<kCalibrationNumbers, kCalibrationNumbers>(at, at);
+  information.noalias() -= reduced.transpose() * reduced;
+  CalibrationVector evidence = evidence_.segment<kCalibrationNumbers>(at);
+  evidence.noalias() -= reduced.transpose() * answered_.head(freedoms_);
   // Numbers without width cost nothing and explain nothing.
   const CalibrationVector widths = widths_of(kind);
   const CalibrationVector scaled = widths.cwiseQuotient(CalibrationPrior::units());
@@ -153,9 +204,11 @@ void Explanations::score_camera(const Evidence::System& system, int camera, Aler
 }
 
 void Explanations::score_marker(const Evidence::System& system, Eigen::Index at, std::size_t slot) {
-  const auto reduced = reduced_.middleCols<6>(at);
-  const Matrix6d information = information_.block<6, 6>(at, at) - reduced.transpose() * reduced;
-  const Vector6d evidence = evidence_.segment<6>(at) - reduced.transpose() * answered_;
+  const auto reduced = reduced_.topRows(freedoms_).middleCols<6>(at);
+  Matrix6d information = information_.block<6, 6>(at, at);
+  information.noalias() -= reduced.transpose() * reduced;
+  Vector6d evidence = evidence_.segment<6>(at);
+  evidence.noalias() -= reduced.transpose() * answered_.head(freedoms_);
   Vector6d widths;
   widths << Eigen::Vector3d::Constant(kMoved_m), Eigen::Vector3d::Constant(kTurned_rad);
   const auto gain = gain_of<6>(widths.asDiagonal() * information * widths.asDiagonal(),
@@ -171,8 +224,8 @@ void Explanations::score_marker(const Evidence::System& system, Eigen::Index at,
 std::span<const Score> Explanations::judge(const Evidence::System& system,
                                            const CalibrationPrior& prior,
                                            std::span<const Explanation> believed) {
-  reduce(system, prior, believed);
   scores_.clear();
+  if (!reduce(system, prior, believed)) return scores_;
   for (std::size_t c = 0; c < cameras_; ++c) {
     if (system.sets_of_camera[c] == 0) continue;
     const int camera = static_cast<int>(c);
@@ -182,7 +235,7 @@ std::span<const Score> Explanations::judge(const Evidence::System& system,
     score_camera(system, camera, AlertKind::readout_off);
   }
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    score_marker(system, prior.size() + 6 * static_cast<Eigen::Index>(i), slots_[i]);
+    score_marker(system, prior.numbers() + 6 * static_cast<Eigen::Index>(i), slots_[i]);
   }
   std::sort(scores_.begin(), scores_.end(),
             [](const Score& a, const Score& b) { return a.gain > b.gain; });

@@ -37,10 +37,11 @@ struct Score {
 /// prior, and what the data gain by it is closed form (Gaussian evidence). Holds its memory.
 class Explanations {
  public:
-  Explanations(std::size_t cameras, const MapIndex& map);
+  /// For priors of so many cameras, sizes and modes as this one.
+  Explanations(const CalibrationPrior& prior, const MapIndex& map);
 
-  /// Scores, best first. `believed`: what is known to be wrong already, which is free to be so in
-  /// every score. `prior` without it.
+  /// Scores, best first; none where the system is no numbers. `believed`: what is known to be wrong
+  /// already, which is free to be so in every score. `prior` without it.
   [[nodiscard]] std::span<const Score> judge(const Evidence::System& system,
                                              const CalibrationPrior& prior,
                                              std::span<const Explanation> believed);
@@ -51,8 +52,19 @@ class Explanations {
   [[nodiscard]] static CalibrationVector widths_of(AlertKind kind);
 
  private:
-  void reduce(const Evidence::System& system, const CalibrationPrior& prior,
-              std::span<const Explanation> believed);
+  /// What of a marker's place is not shared, as a root.
+  struct OwnRoot {
+    Eigen::Index row = 0;
+    Matrix6d root;
+  };
+  /// Takes the numbers that are asked about out of the system.
+  void select(const Evidence::System& system, const CalibrationPrior& prior);
+  /// Prior roots: of what is shared, and of each marker's own.
+  [[nodiscard]] bool take_roots(const Evidence::System& system, const CalibrationPrior& prior,
+                                std::span<const Explanation> believed);
+  /// Eliminates all numbers under their prior; false: they are no numbers.
+  [[nodiscard]] bool reduce(const Evidence::System& system, const CalibrationPrior& prior,
+                            std::span<const Explanation> believed);
   void score_camera(const Evidence::System& system, int camera, AlertKind kind);
   void score_marker(const Evidence::System& system, Eigen::Index at, std::size_t slot);
 
@@ -60,9 +72,16 @@ class Explanations {
   std::size_t cameras_;
   std::vector<Score> scores_;
   std::vector<std::size_t> slots_;  ///< of the markers asked about
-  Eigen::MatrixXd information_;     ///< of the numbers asked about
+  Eigen::Index numbers_ = 0;        ///< of cameras and sizes
+  Eigen::Index shared_ = 0;         ///< those and the modes
+  Eigen::Index size_ = 0;           ///< of all that is asked about
+  Eigen::Index freedoms_ = 0;       ///< of the prior
+  // Each as large as it may become; the upper left part is used.
+  Eigen::MatrixXd information_;  ///< of the numbers asked about
   Eigen::VectorXd evidence_;
-  Eigen::MatrixXd root_;      ///< of the prior, one column per freedom
+  Eigen::MatrixXd shared_root_;  ///< of the prior of cameras, sizes and modes, which markers follow
+  std::vector<OwnRoot> own_roots_;
+  Eigen::MatrixXd kernel_;    ///< I + Rᵀ A R, then its factor
   Eigen::MatrixXd reduced_;   ///< L⁻¹ Rᵀ A
   Eigen::VectorXd answered_;  ///< L⁻¹ Rᵀ b
 };

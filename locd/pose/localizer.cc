@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <tuple>
 
 #include "core/base/check.h"
+#include "core/estimate/calibration_prior.h"
 #include "drivers/monotonic_clock.h"
-#include "locd/frames/image_health.h"
-#include "locd/pose/detection_watch.h"
+#include "locd/frames/skew_watch.h"
 #include "locd/pose/error_model.h"
-#include "locd/pose/expected_windows.h"
-#include "locd/pose/frame_detector.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
 #include "locd/pose/riding_watch.h"
 #include "locd/pose/robust_pose.h"
+#include "locd/pose/set_observer.h"
 #include "locd/pose/swap_watch.h"
 
 namespace waymark {
@@ -38,50 +35,38 @@ struct Localizer::Implementation {
       : rig(rig_in),
         options(options_in),
         map(map_in),
-        detector(rig, map.catalog(options.inverted), options.detection_threads,
-                 options.begin_worker),
-        expected(rig, map),
-        robust(rig, map, {}),
+        observer(rig, map, options),
+        prior(rig, options.circumstances(), map.submap(), map.calibrated_with(rig)),
+        robust(rig, map, prior, {}),
         gate(options.gate),
         motion(options.motion()),
         map_watch(map, robust.solver()),
-        error_model(rig, map, map_watch, options.calibration_sigmas(), options.size_sigma),
+        error_model(rig, map, map_watch, prior),
         swap_watch(rig, map),
         riding_watch(map, robust.solver()),
-        health(rig.cameras.size(), options.image_health()),
         skew_watch({options.triggered, options.negligible_skew}) {
-    observations.reserve(kMaxObservations);
-    others.reserve(kMaxObservations);
-    all.reserve(kMaxObservations);
     alerts.reserve(kMaxObservations);
-    candidates.reserve(2 * kMaxObservations);
     WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
     WAYMARK_CHECK(rig.cameras.size() == 1 || rig.has_extrinsics);
     WAYMARK_CHECK(options.check().has_value());
   }
 
   void localize(const FrameSetLease& set, PoseEstimate& estimate);
-  void look_at_images(const FrameSetLease& set);
-  void find_markers(const FrameSetLease& set, Stamp stamp);
-  void find_candidates(const FrameSetLease& set);
-  void observe(PoseEstimate& estimate);
-  void observe(std::size_t camera, const Detection& detection, PoseEstimate& estimate);
-  void time_observations(const FrameSetLease& set, PoseEstimate& estimate);
   void solve(const FrameSetLease& set, PoseEstimate& estimate);
-  void report(const PoseSolution& solution, PoseEstimate& estimate) const;
+  void report(const PoseSolution& solution, PoseEstimate& estimate);
   void judge(const FrameSetLease& set, const PoseSolution& solution,
-             const std::optional<MotionPrediction>& prior, PoseEstimate& estimate);
-  [[nodiscard]] bool some_camera_disagrees() const;
-  void leave_suspects_out(PoseEstimate& estimate);
-  void gather_all();
-  void look_for_riding(Stamp stamp);
+             const std::optional<MotionPrediction>& expected, PoseEstimate& estimate);
+  [[nodiscard]] ReasonBits reasons_of_timing(const FrameSetLease& set, bool velocity_known,
+                                             const PoseEstimate& estimate) const;
+  [[nodiscard]] bool some_camera_disagrees();
+  void look_for_riding(Stamp stamp, std::span<const SetObservation> all);
   void watch(const PoseSolution& solution, PoseEstimate& estimate);
 
   Rig rig;
   LocalizerOptions options;
   MapIndex map;
-  FrameDetector detector;
-  ExpectedWindows expected;
+  SetObserver observer;
+  CalibrationPrior prior;
   RobustPose robust;
   PoseGate gate;
   MotionFilter motion;
@@ -89,21 +74,7 @@ struct Localizer::Implementation {
   ErrorModel error_model;
   SwapWatch swap_watch;
   RidingWatch riding_watch;
-  ImageHealth health;
   SkewWatch skew_watch;
-  DetectionWatch detection_watch;
-  CameraMask unhealthy_frames = 0;  ///< cameras of the set whose images are of no use
-  CameraMask usable = 0;            ///< those whose images are of use, and could be searched
-  /// A detection of the set, before it is known how many there are.
-  struct Candidate {
-    std::size_t camera;
-    std::size_t index;  ///< among its camera's detections
-    double area_px2;
-  };
-  std::vector<Candidate> candidates;
-  std::vector<SetObservation> observations;
-  std::vector<SetObservation> others;  ///< held against the pose, take no part in it
-  std::vector<SetObservation> all;     ///< both
   std::vector<Alert> alerts;
 };
 
@@ -111,184 +82,29 @@ void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate&
   alerts.clear();
   estimate.reset(PoseReason::no_markers, set);
   const Stamp started = monotonic_now();
-  look_at_images(set);
   skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
-  find_markers(set, estimate.stamp);
-  detection_watch.look(detector.searched(), detector.failed(), estimate.stamp, alerts);
-  unhealthy_frames = set.cameras & ~usable;
-  usable &= ~detector.failed();
+  observer.look(set, motion.predict(estimate.stamp), estimate, alerts);
   const Stamp detected = monotonic_now();
-  find_candidates(set);
-  observe(estimate);
-  leave_suspects_out(estimate);
-  time_observations(set, estimate);
-  solve(set, estimate);
+  observer.leave_out(error_model.suspects(), estimate);
+  observer.time_corners(set, estimate);
+  if (!observer.used().empty()) solve(set, estimate);
   estimate.times.detect = detected - started;
   estimate.times.solve = monotonic_now() - detected;
 }
 
-void Localizer::Implementation::look_at_images(const FrameSetLease& set) {
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    if (!set.has(c)) continue;
-    const Frame& frame = set.frames[c];
-    if (frame.has_image()) {
-      health.look(c, frame.image(), frame.stamp(), alerts);
-    } else if (frame.detections() != nullptr) {
-      health.look(c, frame.detections()->detections, frame.stamp(), alerts);
-    }
-  }
-  usable = set.cameras & ~health.unhealthy() & ~health.repeated();
-}
-
-/// Where they are expected at `stamp`, if that can be told.
-void Localizer::Implementation::find_markers(const FrameSetLease& set, Stamp stamp) {
-  if (options.guided) expected.predict(motion.predict(stamp));
-  detector.detect(set, usable, expected.by_camera());
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    if ((detector.searched() & camera_bit(c)) != 0) {
-      expected.remember(c, detector.detections_of(c));
-    }
-  }
-}
-
-/// The detections that are used, by camera: of more than kMaxObservations, the largest in the
-/// image.
-void Localizer::Implementation::find_candidates(const FrameSetLease& set) {
-  candidates.clear();
-  for (std::size_t camera = 0; camera < rig.cameras.size(); ++camera) {
-    if (!set.has(camera)) continue;
-    const auto detections = detector.detections_of(camera);
-    for (std::size_t i = 0; i < detections.size(); ++i) {
-      candidates.push_back({camera, i, area_px2(detections[i].corners)});
-    }
-  }
-  if (candidates.size() <= kMaxObservations) return;
-  const auto end = candidates.begin() + kMaxObservations;
-  std::nth_element(
-      candidates.begin(), end, candidates.end(), [](const Candidate& a, const Candidate& b) {
-        return std::tie(b.area_px2, a.camera, a.index) < std::tie(a.area_px2, b.camera, b.index);
-      });
-  candidates.erase(end, candidates.end());
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
-    return std::tie(a.camera, a.index) < std::tie(b.camera, b.index);
-  });
-}
-
-/// Every candidate with what is known of its marker.
-void Localizer::Implementation::observe(PoseEstimate& estimate) {
-  observations.clear();
-  others.clear();
-  for (const Candidate& candidate : candidates) {
-    const auto detections = detector.detections_of(candidate.camera);
-    observe(candidate.camera, detections[candidate.index], estimate);
-  }
-  for (std::size_t i = 0; i < estimate.observations.size(); ++i) {
-    const auto& seen = estimate.observations;
-    const bool before =
-        std::any_of(seen.begin(), seen.begin() + static_cast<std::ptrdiff_t>(i),
-                    [&](const ObservedMarker& other) { return other.marker == seen[i].marker; });
-    estimate.markers_seen += before ? 0 : 1;
-  }
-}
-
-void Localizer::Implementation::observe(std::size_t camera, const Detection& detection,
-                                        PoseEstimate& estimate) {
-  ObservedMarker seen;
-  seen.marker = detection.marker;
-  seen.camera = static_cast<std::int16_t>(camera);
-  seen.corners_px = detection.corners;
-  const auto of_camera = detector.detections_of(camera);
-  const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
-  const auto map_index = map.find(detection.marker);
-  if (!map_index) {
-    seen.verdict = ObservationVerdict::unknown;
-  } else if (std::count_if(of_camera.begin(), of_camera.end(), same_id) > 1) {
-    seen.verdict = ObservationVerdict::repeated;
-  } else {
-    const bool use = !map.quarantined(*map_index);
-    if (!use) seen.verdict = ObservationVerdict::quarantined;
-    SetObservation& o = (use ? observations : others).emplace_back();
-    o.observation.camera = static_cast<int>(camera);
-    o.observation.size_m = map.marker(*map_index).size_m;
-    o.detected_px = detection.corners;
-    if (detection.covariances) {
-      o.stated = *detection.covariances;
-    } else {
-      o.stated.fill(Eigen::Matrix2d::Zero());
-    }
-    if (!error_model.begun()) error_model.begin(detection.covariances.has_value());
-    o.map_index = *map_index;
-    o.report_index = estimate.observations.size();
-  }
-  estimate.observations.push_back(seen);
-}
-
-/// Cameras that were named take no part where the others show two markers.
-void Localizer::Implementation::leave_suspects_out(PoseEstimate& estimate) {
-  constexpr std::size_t kEnough = 2;
-  const CameraMask suspects = error_model.suspects();
-  if (suspects == 0) return;
-  const auto is_sound = [&](const SetObservation& o) {
-    return (suspects & camera_bit(static_cast<std::size_t>(o.observation.camera))) == 0;
-  };
-  const auto sound = std::count_if(observations.begin(), observations.end(), is_sound);
-  if (static_cast<std::size_t>(sound) < kEnough) return;
-  const auto end = std::stable_partition(observations.begin(), observations.end(), is_sound);
-  for (auto o = end; o != observations.end(); ++o) {
-    estimate.observations[o->report_index].verdict = ObservationVerdict::quarantined;
-    others.push_back(*o);
-  }
-  observations.erase(end, observations.end());
-}
-
-/// The set's instant, and each corner's from there: the cameras' skew and their rows' read-out.
-void Localizer::Implementation::time_observations(const FrameSetLease& set,
-                                                  PoseEstimate& estimate) {
-  CameraMask seeing = 0;
-  for (const SetObservation& o : observations) {
-    seeing |= camera_bit(static_cast<std::size_t>(o.observation.camera));
-  }
-  if (seeing != 0) {
-    Stamp sum{0};
-    int count = 0;
-    for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-      if ((seeing & camera_bit(c)) == 0) continue;
-      sum += set.frames[c].stamp() - estimate.set_stamp;
-      ++count;
-    }
-    estimate.stamp = estimate.set_stamp + sum / count;
-  }
-  for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
-    if (set.has(c)) estimate.camera_offset[c] = set.frames[c].stamp() - estimate.stamp;
-  }
-  const auto time_corners = [&](SetObservation& o) {
-    const RigCamera& camera = rig.cameras[static_cast<std::size_t>(o.observation.camera)];
-    const double offset_s =
-        in_s(estimate.camera_offset[static_cast<std::size_t>(o.observation.camera)]);
-    const double readout_s = camera.readout_us.value_or(0) * 1e-6;
-    const double rows = camera.model.parameters().height_px;
-    for (std::size_t i = 0; i < 4; ++i) {
-      // The stamp is of the middle row, (rows − 1)/2.
-      o.row[i] = (o.detected_px[i].y() - 0.5 * (rows - 1)) / rows;
-      o.after_s[i] = offset_s + readout_s * o.row[i];
-    }
-  };
-  std::for_each(observations.begin(), observations.end(), time_corners);
-  std::for_each(others.begin(), others.end(), time_corners);
-}
-
 void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& estimate) {
-  if (observations.empty()) return;
-  const auto prior = motion.predict(estimate.stamp);
+  const std::span<SetObservation> used = observer.used();
+  if (!error_model.begun()) error_model.begin(!used.front().stated[0].isZero());
+  const auto expected = motion.predict(estimate.stamp);
   VelocityPrior velocity{Vector6d::Zero(), motion.unknown_velocity_covariance()};
-  if (prior) velocity = {prior->velocity, prior->velocity_covariance};
+  if (expected) velocity = {expected->velocity, expected->velocity_covariance};
   std::optional<Rigid3> predicted;
-  if (prior) predicted = prior->world_from_rig;
-  const auto solution = robust.solve(observations, predicted, velocity, error_model.known());
+  if (expected) predicted = expected->world_from_rig;
+  const auto solution = robust.solve(used, predicted, velocity, error_model.known());
   if (!solution) {
-    map_watch.look_at_fit(estimate.stamp, 0, static_cast<int>(observations.size()), alerts);
-    gather_all();
-    look_for_riding(estimate.stamp);
+    map_watch.look_at_fit(estimate.stamp, 0, static_cast<int>(used.size()), alerts);
+    const std::span<const SetObservation> all = observer.all();
+    look_for_riding(estimate.stamp, all);
     error_model.learn_noise(estimate.stamp, all, nullptr, robust.solver(), alerts);
     estimate.lose_pose(PoseReason::no_solution);
     return;
@@ -296,19 +112,14 @@ void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& es
   report(*solution, estimate);
   map_watch.look_at_fit(estimate.stamp, solution->inlier_markers, solution->outlier_markers,
                         alerts);
-  judge(set, *solution, prior, estimate);
+  judge(set, *solution, expected, estimate);
   const Stamp judged = monotonic_now();
-  robust.hold_against(others, *solution, error_model.known());
+  robust.hold_against(observer.others(), *solution, error_model.known());
   watch(*solution, estimate);
   estimate.times.watch = monotonic_now() - judged;
 }
 
-void Localizer::Implementation::gather_all() {
-  all.assign(observations.begin(), observations.end());
-  all.insert(all.end(), others.begin(), others.end());
-}
-
-void Localizer::Implementation::look_for_riding(Stamp stamp) {
+void Localizer::Implementation::look_for_riding(Stamp stamp, std::span<const SetObservation> all) {
   for (const std::size_t map_index : riding_watch.look(all)) {
     map_watch.quarantine_riding(stamp, map_index, alerts);
     error_model.forget_evidence();
@@ -316,13 +127,13 @@ void Localizer::Implementation::look_for_riding(Stamp stamp) {
 }
 
 void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate& estimate) {
-  for (const SetObservation& o : others) {
+  for (const SetObservation& o : observer.others()) {
     ObservedMarker& seen = estimate.observations[o.report_index];
     seen.rms_px = o.rms_px;
     seen.sigmas_squared = o.sigmas_squared;
   }
-  gather_all();
-  look_for_riding(estimate.stamp);
+  const std::span<const SetObservation> all = observer.all();
+  look_for_riding(estimate.stamp, all);
   error_model.learn_noise(estimate.stamp, all, &solution, robust.solver(), alerts);
   if (estimate.has(PoseReason::no_velocity)) return;
   // A camera that stands elsewhere makes the pose jump between what it and what the others show.
@@ -348,14 +159,14 @@ void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate
   }
 }
 
-void Localizer::Implementation::report(const PoseSolution& solution, PoseEstimate& estimate) const {
+void Localizer::Implementation::report(const PoseSolution& solution, PoseEstimate& estimate) {
   estimate.reasons = 0;
   estimate.world_from_rig = solution.world_from_rig;
   estimate.covariance = solution.covariance;
   estimate.markers_used = solution.inlier_markers;
   estimate.observations_used = solution.inliers;
   double sum = 0;
-  for (const SetObservation& o : observations) {
+  for (const SetObservation& o : observer.used()) {
     ObservedMarker& seen = estimate.observations[o.report_index];
     seen.verdict = o.inlier ? ObservationVerdict::inlier : ObservationVerdict::outlier;
     seen.rms_px = o.rms_px;
@@ -370,27 +181,15 @@ void Localizer::Implementation::report(const PoseSolution& solution, PoseEstimat
   estimate.rms_px = std::sqrt(sum / solution.inliers);
 }
 
-void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSolution& solution,
-                                      const std::optional<MotionPrediction>& prior,
-                                      PoseEstimate& estimate) {
-  if (!prior) gate.forget();
-  ReasonBits reasons = gate.judge(estimate.stamp, solution, prior);
-  const bool trusted = reasons == 0 || reasons == bit(PoseReason::sigma);
-  // In a ring of cameras one swap looks like another one, seen from a rig that is turned: what the
-  // others see is no better then.
-  if ((error_model.suspects() & estimate.cameras_used) != 0 || swap_watch.suspects() != 0 ||
-      some_camera_disagrees()) {
-    reasons |= bit(PoseReason::camera_suspect);
-  }
-  if (error_model.undecided() || contradicts_itself(solution)) {
-    reasons |= bit(PoseReason::misfit);
-  }
-  if (usable != set.expected) reasons |= bit(PoseReason::camera_missing);
+/// What stamps and read-outs have against the pose.
+ReasonBits Localizer::Implementation::reasons_of_timing(const FrameSetLease& set,
+                                                        bool velocity_known,
+                                                        const PoseEstimate& estimate) const {
+  ReasonBits reasons = 0;
   Stamp readout{0};
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     if (!set.has(c)) continue;
-    const double readout_us = rig.cameras[c].readout_us.value_or(0);
-    readout = std::max(readout, from_us(readout_us));
+    readout = std::max(readout, from_us(rig.cameras[c].readout_us.value_or(0)));
     if (set.frames[c].info().quality == StampQuality::arrival) {
       reasons |= bit(PoseReason::unsynced);
     }
@@ -399,16 +198,32 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
     reasons |= bit(PoseReason::skew);
   }
   const bool needs_velocity = estimate.max_skew + readout > options.negligible_skew;
-  if (needs_velocity && !(prior && prior->velocity_known)) {
-    reasons |= bit(PoseReason::no_velocity);
-  }
-  estimate.resets = gate.resets();
-  if (map_watch.wrong_map()) reasons |= bit(PoseReason::wrong_map);
-  estimate.reasons = reasons;
-  estimate.status = reasons == 0 ? PoseStatus::ok
+  if (needs_velocity && !velocity_known) reasons |= bit(PoseReason::no_velocity);
+  return reasons;
+}
 
-                    : solution.ambiguous || solution.rivals ? PoseStatus::ambiguous
-                                                            : PoseStatus::degraded;
+void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSolution& solution,
+                                      const std::optional<MotionPrediction>& expected,
+                                      PoseEstimate& estimate) {
+  if (!expected) gate.forget();
+  ReasonBits reasons = gate.judge(estimate.stamp, solution, expected);
+  const bool trusted = reasons == 0 || reasons == bit(PoseReason::sigma);
+  // In a ring of cameras one swap looks like another one, seen from a rig that is turned: what the
+  // others see is no better then.
+  if ((error_model.suspects() & estimate.cameras_used) != 0 || swap_watch.suspects() != 0 ||
+      some_camera_disagrees()) {
+    reasons |= bit(PoseReason::camera_suspect);
+  }
+  if (error_model.undecided() || contradicts_itself(solution)) reasons |= bit(PoseReason::misfit);
+  if (observer.usable() != set.expected) reasons |= bit(PoseReason::camera_missing);
+  if (map_watch.wrong_map()) reasons |= bit(PoseReason::wrong_map);
+  reasons |= reasons_of_timing(set, expected && expected->velocity_known, estimate);
+  estimate.resets = gate.resets();
+  estimate.reasons = reasons;
+  const bool ambiguous = solution.ambiguous || solution.rivals;
+  estimate.status = reasons == 0 ? PoseStatus::ok
+                    : ambiguous  ? PoseStatus::ambiguous
+                                 : PoseStatus::degraded;
   if (trusted) motion.update(estimate.stamp, solution.motion);
   const auto now = motion.predict(estimate.stamp);
   if (now && now->velocity_known) estimate.velocity = now->velocity;
@@ -416,10 +231,10 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
 
 /// Whether a camera's markers are mostly outliers: the pose is by others then, and who is right is
 /// not known.
-bool Localizer::Implementation::some_camera_disagrees() const {
+bool Localizer::Implementation::some_camera_disagrees() {
   std::array<int, kMaxCameras> markers{};
   std::array<int, kMaxCameras> inliers{};
-  for (const SetObservation& o : observations) {
+  for (const SetObservation& o : observer.used()) {
     const auto camera = static_cast<std::size_t>(o.observation.camera);
     ++markers[camera];
     inliers[camera] += o.inlier ? 1 : 0;
@@ -457,18 +272,20 @@ void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {
 CameraMask Localizer::left_out(DropReason why) const {
   switch (why) {
     case DropReason::unhealthy:
-      return implementation_->unhealthy_frames;
+      return implementation_->observer.unhealthy_frames();
     case DropReason::unsearched:
-      return implementation_->detector.failed();
+      return implementation_->observer.unsearched();
     default:
       return 0;
   }
 }
 
-CameraMask Localizer::unhealthy_cameras() const { return implementation_->health.unhealthy(); }
+CameraMask Localizer::unhealthy_cameras() const {
+  return implementation_->observer.unhealthy_cameras();
+}
 
 void Localizer::remember_images_of(const Localizer& before) {
-  implementation_->health.remember_images_of(before.implementation_->health);
+  implementation_->observer.remember_images_of(before.implementation_->observer);
 }
 
 void Localizer::forget_motion() {

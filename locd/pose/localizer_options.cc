@@ -1,7 +1,5 @@
 #include "locd/pose/localizer_options.h"
 
-#include <algorithm>
-
 namespace waymark {
 
 Status LocalizerOptions::check() const {
@@ -9,16 +7,14 @@ Status LocalizerOptions::check() const {
       .part("gate", gate.check())
       .field("prior_max_age_s", prior_max_age_s, kPriorMaxAge_s)
       .field("negligible_skew in ms", in_us(negligible_skew) / 1e3, kNegligibleSkew_ms)
-      .field("size_sigma", size_sigma, kSizeSigma)
       .field("detection_threads", detection_threads, kDetectionThreads)
       .status();
 }
 
-CalibrationSigmas LocalizerOptions::calibration_sigmas() const {
-  constexpr double kTriggered_s = 2e-5;
-  CalibrationSigmas sigmas = calibration;
-  if (triggered) sigmas.stamp_s = std::min(sigmas.stamp_s, kTriggered_s);
-  return sigmas;
+SigmaCircumstances LocalizerOptions::circumstances() const {
+  SigmaCircumstances circumstances;
+  circumstances.triggered = triggered;
+  return circumstances;
 }
 
 MotionOptions LocalizerOptions::motion() const {

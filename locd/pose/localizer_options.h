@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/base/range.h"
-#include "core/estimate/calibration_sigmas.h"
+#include "core/camera/camera_sigmas.h"
 #include "core/marker/family.h"
 #include "locd/frames/image_health.h"
 #include "locd/frames/skew_watch.h"
@@ -27,21 +27,18 @@ struct LocalizerOptions {
   std::vector<Family> inverted;  ///< families that are printed white for black
   /// Look for markers where the prediction has them, and in the whole images by turns.
   bool guided = true;
-  CalibrationSigmas calibration;  ///< how sure the rig file is; exact() only of a simulation
-  double size_sigma = 1e-3;       ///< of the prints' size, as a share (0–0.05)
-  int detection_threads = 0;      ///< 0: one per camera, at most as many as there are processors
+  int detection_threads = 0;  ///< 0: one per camera, at most as many as there are processors
   /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
   std::function<void()> begin_worker;
 
   static constexpr Range kPriorMaxAge_s = MotionOptions::kMaxAge_s;
   static constexpr Range kNegligibleSkew_ms = SkewWatchOptions::kMost_ms;
-  static constexpr Range kSizeSigma{0, 0.05};
   static constexpr Range kDetectionThreads{0, kMaxCameras};
   /// usage, naming the first field that lies outside its range.
   [[nodiscard]] Status check() const;
 
   /// What the parts of a localizer are to be made with.
-  [[nodiscard]] CalibrationSigmas calibration_sigmas() const;
+  [[nodiscard]] SigmaCircumstances circumstances() const;
   [[nodiscard]] MotionOptions motion() const;
   [[nodiscard]] ImageHealthOptions image_health() const;
 };

@@ -4,35 +4,47 @@
 #include <map>
 
 #include "core/base/check.h"
+#include "core/estimate/calibration_prior.h"
 
 namespace waymark {
 
 MapIndex::MapIndex(const MarkerMap& map) {
   WAYMARK_CHECK(!map.submaps.empty());
-  markers_ = map.submaps.front().markers;
-  independent_ = map.capture_fingerprints.empty();
-  quarantined_.assign(markers_.size(), 0);
-  for (MapMarker& marker : markers_) {
-    if (marker.covariance_known()) continue;
+  submap_ = map.submaps.front();
+  rig_fingerprint_ = map.rig_fingerprint;
+  independent_ = map.capture_fingerprints.empty() ||
+                 std::all_of(submap_.markers.begin(), submap_.markers.end(),
+                             [](const MapMarker& marker) { return marker.considered(); });
+  quarantined_.assign(size(), 0);
+  for (MapMarker& marker : submap_.markers) {
+    if (marker.metric().allFinite()) continue;
     ++unknown_covariances_;
     marker.covariance.setZero();
     marker.covariance.diagonal().head<3>().setConstant(kUnknownSigma_m * kUnknownSigma_m);
     marker.covariance.diagonal().tail<3>().setConstant(kUnknownSigma_rad * kUnknownSigma_rad);
+    marker.modes.setZero();
   }
+  own_.reserve(size());
+  for (const MapMarker& marker : submap_.markers) own_.push_back(marker.own_covariance());
+}
+
+bool MapIndex::calibrated_with(const Rig& rig) const {
+  return is_calibration_of(submap_, rig_fingerprint_, rig);
 }
 
 std::optional<std::size_t> MapIndex::find(const MarkerId& id) const {
+  const std::vector<MapMarker>& markers = submap_.markers;
   const auto found = std::lower_bound(
-      markers_.begin(), markers_.end(), id,
+      markers.begin(), markers.end(), id,
       [](const MapMarker& marker, const MarkerId& wanted) { return marker.id < wanted; });
-  if (found == markers_.end() || found->id != id) return std::nullopt;
-  return static_cast<std::size_t>(found - markers_.begin());
+  if (found == markers.end() || found->id != id) return std::nullopt;
+  return static_cast<std::size_t>(found - markers.begin());
 }
 
 MarkerCatalog MapIndex::catalog(std::span<const Family> inverted) const {
   std::map<Family, std::map<double, int>> sizes;
   std::map<Family, MarkerCatalog::FamilyEntry> entries;
-  for (const MapMarker& marker : markers_) {
+  for (const MapMarker& marker : submap_.markers) {
     ++sizes[marker.id.family][marker.size_m];
     MarkerCatalog::FamilyEntry& entry = entries[marker.id.family];
     entry.family = marker.id.family;

@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "core/camera/rig.h"
 #include "core/map/marker_map.h"
 #include "core/marker/marker_catalog.h"
 
@@ -21,14 +23,21 @@ class MapIndex {
 
   explicit MapIndex(const MarkerMap& map);
 
-  [[nodiscard]] std::size_t size() const { return markers_.size(); }
+  [[nodiscard]] std::size_t size() const { return submap_.markers.size(); }
   /// Markers whose covariance the map does not know.
   [[nodiscard]] std::size_t unknown_covariances() const { return unknown_covariances_; }
-  [[nodiscard]] const MapMarker& marker(std::size_t index) const { return markers_[index]; }
+  [[nodiscard]] const MapMarker& marker(std::size_t index) const { return submap_.markers[index]; }
   [[nodiscard]] std::optional<std::size_t> find(const MarkerId& id) const;
 
-  /// Whether its markers are wrong independently of each other: it was measured by hand. Of a map
-  /// made from captures, neighbours are wrong alike.
+  /// What a marker's pose errs by and no other marker does (MapMarker::own_covariance).
+  [[nodiscard]] const Matrix6d& own_covariance(std::size_t index) const { return own_[index]; }
+  /// Them all, with what they share.
+  [[nodiscard]] const SubMap& submap() const { return submap_; }
+  /// Whether the map was built with this rig's calibration (is_calibration_of).
+  [[nodiscard]] bool calibrated_with(const Rig& rig) const;
+
+  /// Whether own_covariance is wrong independently of each other: the map was measured by hand, or
+  /// says what its markers share. Of an older map made from captures, neighbours are wrong alike.
   [[nodiscard]] bool independent() const { return independent_; }
 
   [[nodiscard]] bool quarantined(std::size_t index) const { return quarantined_[index] != 0; }
@@ -40,7 +49,9 @@ class MapIndex {
   [[nodiscard]] MarkerCatalog catalog(std::span<const Family> inverted = {}) const;
 
  private:
-  std::vector<MapMarker> markers_;  ///< by rising id
+  SubMap submap_;
+  std::string rig_fingerprint_;
+  std::vector<Matrix6d> own_;
   std::vector<char> quarantined_;
   std::size_t unknown_covariances_ = 0;
   bool independent_ = true;

@@ -19,26 +19,6 @@ RigPoseOptions solver_options() {
   return options;
 }
 
-/// While inliers are searched corners are taken for independent; what all four of a marker share
-/// must not count four times.
-constexpr double kShared = 4.0;
-/// A usual distance of markers, where none is known.
-constexpr double kNear_m = 3.0;
-
-/// What a camera's calibration errors do to a corner somewhere in its image (px²).
-double rough_variance_px2(const CalibrationPrior& prior, std::size_t camera, double focal_px) {
-  constexpr double kSlope = 0.3;  // of a ray well off the axis
-  const CalibrationVector v = prior.variances_of(camera);
-  const double f2 = focal_px * focal_px;
-  return f2 * (v[0] / (kNear_m * kNear_m) + v[3] + kSlope * kSlope * v[kFocal] +
-               std::pow(kSlope, 6) * v[kFirstLens]) +
-         v[kPrincipal] + v[kEdge];
-}
-
-bool timed(const SetObservation& o) {
-  return std::any_of(o.after_s.begin(), o.after_s.end(), [](double t) { return t != 0; });
-}
-
 }  // namespace
 
 Status RobustPoseOptions::check() const {
@@ -50,24 +30,29 @@ Status RobustPoseOptions::check() const {
       .status();
 }
 
-RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options)
+RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const CalibrationPrior& prior,
+                       const RobustPoseOptions& options)
     : map_(map),
       cameras_(static_cast<int>(rig.cameras.size())),
       options_(options),
       solver_(rig, solver_options()),
-      consider_(rig.cameras.size()),
+      whitening_(map, solver_),
+      consider_(prior),
       dependence_(map) {
   WAYMARK_CHECK(options.check().has_value());
   marker_verdicts_.reserve(map.size());
   considered_.reserve(kMaxObservations);
+  fixed_.reserve(kMaxObservations);
+  solver_.reserve(kMaxObservations);
+  by_size_.reserve(kMaxObservations);
 }
 
 std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observations,
                                               const std::optional<Rigid3>& predicted,
                                               const VelocityPrior& velocity,
                                               const KnownErrors& known) {
-  whiten_roughly(observations, velocity, known);
-  if (predicted) move_to_set_instant(observations, *predicted, velocity.velocity);
+  whitening_.whiten_roughly(observations, velocity, known);
+  if (predicted) whitening_.move_to_set_instant(observations, *predicted, velocity.velocity);
   const auto estimate = find_pose(observations, predicted);
   if (!estimate) return std::nullopt;
 
@@ -75,7 +60,8 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   solution.ambiguous = estimate->ambiguous;
   Rigid3 pose = estimate->best.pose;
   VelocityPrior believed = velocity;
-  const bool in_motion = std::any_of(observations.begin(), observations.end(), timed);
+  const bool in_motion = std::any_of(observations.begin(), observations.end(),
+                                     [](const SetObservation& o) { return o.timed(); });
   MotionStep step;
   // The set's own say about the velocity, twice: then inliers and velocity have settled.
   for (int round = 0; round < (in_motion ? 3 : 1); ++round) {
@@ -87,13 +73,13 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
       solution.ambiguous = true;
     }
     if (!in_motion) break;
-    whiten(observations, pose, {believed.velocity, Matrix6d::Zero()}, known);
+    whitening_.whiten(observations, pose, {believed.velocity, Matrix6d::Zero()}, known);
     solution.motion = motion_evidence(observations, map_, solver_, pose, believed.velocity);
     step = motion_step(solution.motion, velocity);
     if (!step.pose.allFinite() || !step.velocity.allFinite()) return std::nullopt;
     pose = pose.plus(step.pose);
     believed = {believed.velocity + step.velocity, step.velocity_covariance};
-    move_to_set_instant(observations, pose, believed.velocity);
+    whitening_.move_to_set_instant(observations, pose, believed.velocity);
   }
   if (!consider(observations, velocity, known, pose)) return std::nullopt;
   solution.world_from_rig = pose;
@@ -105,8 +91,8 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   }
   solution.misfit = consider_.misfit();
   solution.freedoms = consider_.freedoms();
-  move_to_set_instant(observations, pose, solution.velocity);
-  whiten(observations, pose, {solution.velocity, Matrix6d::Zero()}, known);
+  whitening_.move_to_set_instant(observations, pose, solution.velocity);
+  whitening_.whiten(observations, pose, {solution.velocity, Matrix6d::Zero()}, known);
   solution.motion = motion_evidence(observations, map_, solver_, pose, solution.velocity);
   solution.noise_covariance = SymmetricFactor<6>(solution.motion.of_pose).inverse();
   count_markers(observations, solution);
@@ -144,6 +130,7 @@ ConsideredObservation RobustPose::linearize(const SetObservation& observation, c
   const MapMarker& marker = map_.marker(observation.map_index);
   ConsideredObservation considered;
   considered.camera = static_cast<std::size_t>(observation.observation.camera);
+  considered.size = known.calibration.size_of(marker);
   considered.used = observation.inlier;
   const auto columns = error_columns(
       observation.observation,
@@ -156,9 +143,13 @@ ConsideredObservation RobustPose::linearize(const SetObservation& observation, c
   }
   considered.columns = *columns;
   const auto& by_marker = considered.columns.by_marker;
-  const Matrix8d covariance = noise_covariance(observation, known.noise_px[considered.camera]) +
-                              by_marker * marker.covariance * by_marker.transpose();
+  const Matrix8d covariance =
+      noise_covariance(observation, known.noise_px[considered.camera]) +
+      by_marker * map_.own_covariance(observation.map_index) * by_marker.transpose();
   considered.columns.whiten(covariance);
+  if (known.calibration.modes() > 0) {
+    considered.by_modes.noalias() = by_marker * marker.modes.cast<double>();
+  }
   return considered;
 }
 
@@ -169,7 +160,7 @@ bool RobustPose::consider(std::span<SetObservation> observations, const Velocity
   constexpr double kLinear_rad = 0.001;
   const double limit = options_.inlier_sigmas * options_.inlier_sigmas;
   for (int round = 0; round < kRounds; ++round) {
-    move_to_set_instant(observations, pose, velocity.velocity);
+    whitening_.move_to_set_instant(observations, pose, velocity.velocity);
     considered_.clear();
     int inliers = 0;
     for (const SetObservation& o : observations) {
@@ -216,8 +207,8 @@ std::optional<RigPoseEstimate> RobustPose::find_pose(std::span<SetObservation> o
 /// From a pose nearby to the least-squares optimum over the inliers; false when there are none.
 bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
                         const VelocityPrior& believed, const KnownErrors& known) {
-  move_to_set_instant(observations, pose, believed.velocity);
-  whiten(observations, pose, believed, known);
+  whitening_.move_to_set_instant(observations, pose, believed.velocity);
+  whitening_.whiten(observations, pose, believed, known);
   collect(observations, Which::all);
   if (const auto tukey = solver_.refine(fixed_, pose, {Loss::tukey, options_.tukey_sigmas})) {
     pose = tukey->pose;
@@ -225,7 +216,7 @@ bool RobustPose::polish(std::span<SetObservation> observations, Rigid3& pose,
   // Who is an inlier changes with the pose, hardly ever twice.
   int before = -1;
   for (int round = 0; round < 3; ++round) {
-    move_to_set_instant(observations, pose, believed.velocity);
+    whitening_.move_to_set_instant(observations, pose, believed.velocity);
     const int inliers = classify(observations, pose);
     if (inliers == 0) return false;
     if (inliers == before) return true;
@@ -293,85 +284,10 @@ bool RobustPose::try_pose_of_outliers(std::span<SetObservation> observations, Ri
 
 void RobustPose::hold_against(std::span<SetObservation> observations, const PoseSolution& solution,
                               const KnownErrors& known) {
-  move_to_set_instant(observations, solution.world_from_rig, solution.velocity);
-  whiten(observations, solution.world_from_rig, {solution.velocity, Matrix6d::Zero()}, known);
+  whitening_.move_to_set_instant(observations, solution.world_from_rig, solution.velocity);
+  whitening_.whiten(observations, solution.world_from_rig, {solution.velocity, Matrix6d::Zero()},
+                    known);
   classify(observations, solution.world_from_rig);
-}
-
-/// Before a pose is known: the detector's and the model's errors, and about what an unknown motion
-/// does to a corner some metres away.
-void RobustPose::whiten_roughly(std::span<SetObservation> observations,
-                                const VelocityPrior& velocity, const KnownErrors& known) const {
-  const double turning2 = velocity.covariance.bottomRightCorner<3, 3>().trace() / 3;
-  const double moving2 = velocity.covariance.topLeftCorner<3, 3>().trace() / 3;
-  for (SetObservation& o : observations) {
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    const double focal_px = solver_.model(camera).parameters().fu_px;
-    const double constant2 = known.noise_px[camera] * known.noise_px[camera] +
-                             kShared * rough_variance_px2(known.calibration, camera, focal_px);
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double t_px = o.after_s[i] * focal_px;
-      const double motion2 = t_px * t_px * (turning2 + moving2 / (kNear_m * kNear_m));
-      const double added = constant2 + motion2;
-      o.observation.whitening[i] =
-          whitening_from_covariance(o.stated[i] + added * Eigen::Matrix2d::Identity());
-    }
-    o.observation.corners_px = o.detected_px;
-  }
-}
-
-/// With a pose: the map's, the calibration's and the velocity's errors too, as they show in each
-/// corner.
-void RobustPose::whiten(std::span<SetObservation> observations, const Rigid3& pose,
-                        const VelocityPrior& velocity, const KnownErrors& known) const {
-  for (SetObservation& o : observations) {
-    const MapMarker& marker = map_.marker(o.map_index);
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    const auto columns = error_columns(
-        o.observation, solver_.geometry(o.observation.camera, pose, marker.world_from_marker),
-        {o.after_s, o.row}, velocity.velocity);
-    if (!columns) continue;
-    const CalibrationVector calibration = known.calibration.variances_of(camera);
-    const double size = known.calibration.size_variance();
-    for (std::size_t i = 0; i < 4; ++i) {
-      const auto row = static_cast<Eigen::Index>(2 * i);
-      const auto by_marker = columns->by_marker.middleRows<2>(row);
-      const auto by_camera = columns->by_camera.middleRows<2>(row);
-      const auto by_size = columns->by_size.segment<2>(row);
-      Eigen::Matrix2d covariance = by_marker * marker.covariance * by_marker.transpose();
-      covariance += by_camera * calibration.asDiagonal() * by_camera.transpose();
-      covariance += size * by_size * by_size.transpose();
-      covariance *= kShared;
-      covariance += o.stated[i];
-      covariance.diagonal().array() += known.noise_px[camera] * known.noise_px[camera];
-      if (o.after_s[i] != 0) {
-        const auto by_velocity = columns->by_velocity.middleRows<2>(row);
-        covariance += by_velocity * velocity.covariance * by_velocity.transpose();
-      }
-      o.observation.whitening[i] = whitening_from_covariance(covariance);
-    }
-  }
-}
-
-void RobustPose::move_to_set_instant(std::span<SetObservation> observations, const Rigid3& pose,
-                                     const Vector6d& velocity) const {
-  const Rigid3 rig_from_world = pose.inverse();
-  for (SetObservation& o : observations) {
-    o.observation.corners_px = o.detected_px;
-    if (velocity.isZero() || !timed(o)) continue;
-    const MapMarker& marker = map_.marker(o.map_index);
-    const auto camera = static_cast<std::size_t>(o.observation.camera);
-    const Rigid3& cam_from_rig = solver_.cam_from_rig(camera);
-    const CameraModel& model = solver_.model(camera);
-    const auto corners = marker_corners(marker.size_m);
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector3d x_in_world = marker.world_from_marker * corners[i];
-      const auto now = model.project(cam_from_rig * (rig_from_world * x_in_world));
-      const Rigid3 rig_then = pose.plus(velocity * o.after_s[i]);
-      const auto then = model.project(cam_from_rig * (rig_then.inverse() * x_in_world));
-      if (now && then) o.observation.corners_px[i] += *now - *then;
-    }
-  }
 }
 
 void RobustPose::seed(std::span<SetObservation> observations, std::size_t count) {

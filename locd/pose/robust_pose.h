@@ -8,7 +8,7 @@
 #include "core/camera/rig.h"
 #include "core/estimate/consider_pose.h"
 #include "core/estimate/rig_pose_solver.h"
-#include "locd/pose/corner_noise.h"
+#include "locd/pose/corner_whitening.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/motion_filter.h"
 #include "locd/pose/pose_covariance.h"
@@ -31,12 +31,6 @@ struct PoseSolution {
   int inliers = 0;
   int inlier_markers = 0;   ///< different ones
   int outlier_markers = 0;  ///< different ones that no inlier shows
-};
-
-/// What is known of errors before a set.
-struct KnownErrors {
-  NoiseSigmas noise_px{};        ///< added to what the detector states
-  CalibrationPrior calibration;  ///< of the cameras' errors
 };
 
 /// Options of RobustPose.
@@ -63,8 +57,10 @@ struct RobustPoseOptions {
 /// by the set itself, for cameras that don't agree about a moving rig are no outliers.
 class RobustPose {
  public:
-  /// Map and rig must outlive it. The options are valid (checked).
-  RobustPose(const Rig& rig, const MapIndex& map, const RobustPoseOptions& options);
+  /// The map must outlive it. `prior`: one like those that sets are solved with. The options are
+  /// valid (checked).
+  RobustPose(const Rig& rig, const MapIndex& map, const CalibrationPrior& prior,
+             const RobustPoseOptions& options);
 
   /// nullopt when nothing explains what was seen. Marks inliers and writes residuals into
   /// `observations`; they stay whitened for hold_against and the watches.
@@ -83,12 +79,6 @@ class RobustPose {
   [[nodiscard]] const RigPoseSolver& solver() const { return solver_; }
 
  private:
-  void whiten_roughly(std::span<SetObservation> observations, const VelocityPrior& velocity,
-                      const KnownErrors& known) const;
-  void whiten(std::span<SetObservation> observations, const Rigid3& pose,
-              const VelocityPrior& velocity, const KnownErrors& known) const;
-  void move_to_set_instant(std::span<SetObservation> observations, const Rigid3& pose,
-                           const Vector6d& velocity) const;
   void seed(std::span<SetObservation> observations, std::size_t count);
   enum class Which { all, inliers, outliers };
   void collect(std::span<const SetObservation> observations, Which which);
@@ -118,6 +108,7 @@ class RobustPose {
   int cameras_;
   RobustPoseOptions options_;
   RigPoseSolver solver_;
+  CornerWhitening whitening_;
   ConsiderPose consider_;
   MapDependence dependence_;
   std::vector<ConsideredObservation> considered_;

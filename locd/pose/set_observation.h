@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -20,6 +21,11 @@ struct SetObservation {
   bool inlier = false;
   double sigmas_squared = 0;  ///< at the pose; 8 degrees of freedom
   double rms_px = 0;          ///< NaN when a corner can't be projected
+
+  /// Whether some corner was seen at another instant than the set's.
+  [[nodiscard]] bool timed() const {
+    return std::any_of(after_s.begin(), after_s.end(), [](double t) { return t != 0; });
+  }
 };
 
 /// Covariance of its corners' noise (px²): the detector's, and what the model adds.

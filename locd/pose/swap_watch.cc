@@ -38,6 +38,7 @@ SwapWatch::SwapWatch(const Rig& rig, const MapIndex& map, const SwapWatchOptions
   }
   scratch_.reserve(kMaxObservations);
   fixed_.reserve(kMaxObservations);
+  solver_.reserve(kMaxObservations);
 }
 
 void SwapWatch::update(Stamp stamp, std::span<const SetObservation> observations,

@@ -7,6 +7,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/camera/kalibr.h"
+#include "core/camera/rig_fingerprint.h"
 #include "core/camera/rig_parameters.h"
 #include "core/capture/sync_tolerance.h"
 #include "core/map/map_file.h"
@@ -137,6 +138,16 @@ Status read_map(Setup& setup) {
   return {};
 }
 
+/// Errors of cameras and markers are known to be the same ones only where the calibration is.
+void note_other_calibration(Setup& setup) {
+  if (!setup.map || !setup.map->considered() || setup.map->rig_fingerprint.empty()) return;
+  if (setup.map->rig_fingerprint == fingerprint(setup.rig)) return;
+  setup.notes.push_back(fmt::format(
+      "{}: built with another calibration than {}; poses count with both as independent. Where the "
+      "map was built with --refine, use the rig file that was written beside it",
+      setup.config.map.string(), setup.config.rig.camchain.string()));
+}
+
 Status read_key(Setup& setup) {
   const std::filesystem::path& file = setup.config.lcm.key_file;
   if (file.empty()) return {};
@@ -178,6 +189,7 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
     setup.notes.emplace_back(
         "no [record] markers: recordings need a markers.toml before mapbuilder reads them");
   }
+  note_other_calibration(setup);
   if (auto note = note_of_default_sigmas(setup.rig, setup.config.rig.camchain.string())) {
     setup.notes.push_back(*std::move(note));
   }

@@ -4,8 +4,10 @@
 #include <set>
 
 #include "core/base/check.h"
+#include "core/camera/kalibr.h"
 #include "mapbuilder/growth/misplaced_subgraphs.h"
 #include "mapbuilder/observations/covisibility.h"
+#include "mapbuilder/observations/detected_capture.h"
 
 namespace waymark {
 namespace {
@@ -131,15 +133,28 @@ void take_what_is_left(const Selection& selection, std::span<const Component> ma
   }
 }
 
+/// That of refined rigs, as their files will be read.
+std::string fingerprint_of_refined(const Calibration& calibration) {
+  std::vector<Rig> read;
+  for (const Rig& rig : calibration.rigs) {
+    auto again = parse_camchain(format_camchain(rig), "refined rig");
+    read.push_back(again ? std::move(again->rig) : rig);
+  }
+  return fingerprint(read);
+}
+
 /// The map file's content.
-MarkerMap map_of(const Observations& observations, const std::vector<BuiltSubMap>& submaps) {
+MarkerMap map_of(const Observations& observations, const CalibratedEstimate& calibrated,
+                 const std::vector<BuiltSubMap>& submaps) {
   MarkerMap map;
   map.builder_version = WAYMARK_VERSION;
   for (const ObservedCapture& capture : observations.captures) {
     map.capture_fingerprints.push_back(capture.fingerprint);
   }
   std::sort(map.capture_fingerprints.begin(), map.capture_fingerprints.end());
-  map.rig_fingerprint = observations.rig_fingerprint;
+  map.rig_fingerprint = calibrated.calibration.refined
+                            ? fingerprint_of_refined(calibrated.estimate.calibration)
+                            : observations.rig_fingerprint;
   for (const BuiltSubMap& submap : submaps) map.submaps.push_back(submap.map);
   return map;
 }
@@ -165,7 +180,7 @@ BuildResult build_map(const Selection& selection, const BuildOptions& options, P
     result.submaps.push_back(built_submap_of(mapper, calibrated, options, component));
   }
   sort_submaps(result.submaps);
-  result.map = map_of(selection.observations(), result.submaps);
+  result.map = map_of(selection.observations(), calibrated, result.submaps);
   take_what_is_left(selection, components, result);
   result.calibration = std::move(calibrated.calibration);
   result.estimate = std::move(calibrated.estimate);

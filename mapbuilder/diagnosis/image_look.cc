@@ -28,11 +28,26 @@ Explained place_of(const ImageCorners& corners) {
   return {centre_of(corners), mean_side_px(corners)};
 }
 
-/// Whether a square stands on or around an explained one: its outline's other side, its paper.
+/// Whether a square stands on or around a known one: its outline's other side, its paper.
+bool stands_on(const Explained& known, const Explained& square) {
+  return (known.centre_px - square.centre_px).norm() <
+         0.3 * std::min(known.side_px, square.side_px);
+}
+
+/// Whether it stands in a known one: some of its cells.
+bool stands_in(const Explained& known, const Explained& square) {
+  const double farthest_px = (known.centre_px - square.centre_px).norm() + 0.5 * square.side_px;
+  return farthest_px < 0.6 * known.side_px;
+}
+
+bool is_any(const std::vector<Explained>& known, const Explained& square) {
+  return std::any_of(known.begin(), known.end(),
+                     [&](const Explained& one) { return stands_on(one, square); });
+}
+
 bool is_explained(const Explained& square, const std::vector<Explained>& explained) {
   return std::any_of(explained.begin(), explained.end(), [&](const Explained& known) {
-    return (known.centre_px - square.centre_px).norm() <
-           0.3 * std::min(known.side_px, square.side_px);
+    return stands_on(known, square) || stands_in(known, square);
   });
 }
 
@@ -66,7 +81,7 @@ class Looker {
     look.squares = static_cast<int>(squares.size());
     const std::vector<Explained> found = explained;
     for (const auto& [square, seen] : squares) {
-      if (take_stated(stated_, square, seen, is_explained(place_of(square), found), look)) {
+      if (take_stated(stated_, square, seen, is_any(found, place_of(square)), look)) {
         explained.push_back(place_of(square));
       }
     }
@@ -85,7 +100,7 @@ class Looker {
     for (std::uint8_t& grey : inverted.pixels) grey = static_cast<std::uint8_t>(255 - grey);
     for (const ImageCorners& square : find_squares(inverted.view())) {
       const SquareLook seen = reader_.read(inverted.view(), square);
-      const bool is_found = is_explained(place_of(square), found);
+      const bool is_found = is_any(found, place_of(square));
       if (take_stated(stated_inverted_, square, seen, is_found, look)) continue;
       if (is_explained(place_of(square), explained)) continue;
       count_others(seen, {{}, true, false}, look);

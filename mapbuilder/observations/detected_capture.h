@@ -2,11 +2,13 @@
 
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "core/camera/edge_measurement.h"
 #include "core/camera/rig.h"
+#include "core/camera/rig_fingerprint.h"
 #include "core/capture/detection.h"
 #include "core/capture/frame_set.h"
 #include "core/marker/marker_catalog.h"
@@ -28,12 +30,10 @@ struct DetectedCapture {
   std::vector<std::optional<EdgeMeasurement>> edges{};
 };
 
-/// 16 hexadecimal digits that depend on a rig's numbers, or on a capture's detections, and nothing
-/// else.
-[[nodiscard]] std::string fingerprint(const Rig& rig);
+/// 16 hexadecimal digits that depend on a capture's rig and detections and nothing else.
 [[nodiscard]] std::string fingerprint(const DetectedCapture& capture);
-/// Of several rigs together, given by their fingerprints in an order of their own.
-[[nodiscard]] std::string fingerprint(const std::vector<std::string>& rigs);
+/// Of all different rigs together; of one its own.
+[[nodiscard]] std::string fingerprint(std::span<const Rig> rigs);
 
 /// Whether two rigs are one: the same names and numbers, and no serial that says otherwise.
 [[nodiscard]] bool are_same(const Rig& a, const Rig& b);

@@ -214,10 +214,9 @@ Status check_rigs(const std::vector<DetectedCapture>& captures, bool mono) {
 }
 
 std::string fingerprint_of_rigs(const std::vector<DetectedCapture>& captures) {
-  std::set<std::string> rigs;
-  for (const DetectedCapture& capture : captures) rigs.insert(fingerprint(capture.rig));
-  return rigs.size() == 1 ? *rigs.begin()
-                          : fingerprint(std::vector<std::string>(rigs.begin(), rigs.end()));
+  std::vector<Rig> rigs;
+  for (const DetectedCapture& capture : captures) rigs.push_back(capture.rig);
+  return fingerprint(rigs);
 }
 
 /// See Observations::recalibrated.

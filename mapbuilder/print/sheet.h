@@ -19,7 +19,7 @@ struct Box {
   [[nodiscard]] double bottom_mm() const { return top_mm + height_mm; }
 };
 
-/// A marker's black square on a sheet, upright; only what lies in `window` is printed.
+/// A marker by its square on a sheet, upright; only what lies in `window` is printed.
 struct PrintedSquare {
   MarkerId id;
   Box square;

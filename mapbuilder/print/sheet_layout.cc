@@ -119,7 +119,8 @@ void add_cut_marks(Sheet& sheet, const Box& box) {
 void add_block(Sheet& sheet, const MarkerBatch& batch, int number, const Block& block, double left,
                double top) {
   const Box square{left + block.around_mm, top + block.around_mm, block.size_mm, block.size_mm};
-  sheet.squares.push_back({{batch.family, number}, square, square});
+  const Box paper{left, top, block.width_mm(), block.width_mm()};
+  sheet.squares.push_back({{batch.family, number}, square, paper});
   const double baseline = top + block.width_mm() + kText_mm + 1;
   const double name_left = std::max(left + std::min(block.around_mm, 2.0), kEdge_mm);
   add_name(sheet, name_left, baseline, left + block.width_mm() - name_left - 1,

@@ -35,13 +35,14 @@ inline void draw(const Print& print, int number, double x, double y, double angl
   const double cell_px = print.side_px / all;
   const double cosine = std::cos(angle) / cell_px;
   const double sine = std::sin(angle) / cell_px;
-  const auto grey_at = [&](double px, double py) {
+  const auto grey_at = [&](double px, double py, double behind) {
     const double right = (px - x) * cosine + (py - y) * sine + all / 2;
     const double down = -(px - x) * sine + (py - y) * cosine + all / 2;
     const auto within = [&](double margin) {
       return right > -margin && right < all + margin && down > -margin && down < all + margin;
     };
-    if (!within(bits.outside + print.margin_cells)) return print.wall;
+    // What is beyond the paper shows.
+    if (!within(bits.outside + print.margin_cells)) return behind;
     bool white = !within(bits.outside);
     const int column = static_cast<int>(std::floor(right - print.border_cells)) + 1;
     const int row = static_cast<int>(std::floor(down - print.border_cells)) + 1;
@@ -65,7 +66,7 @@ inline void draw(const Print& print, int number, double x, double y, double angl
       double sum = 0;
       for (int sample = 0; sample < kSamples * kSamples; ++sample) {
         sum += grey_at(u - 0.5 + (sample % kSamples + 0.5) / kSamples,
-                       v - 0.5 + (sample / kSamples + 0.5) / kSamples);
+                       v - 0.5 + (sample / kSamples + 0.5) / kSamples, image.row(v)[u]);
       }
       image.row(v)[u] = static_cast<std::uint8_t>(std::lround(sum / (kSamples * kSamples)));
     }

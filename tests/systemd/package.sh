@@ -42,5 +42,5 @@ done
 ! grep -E '(opencv|apriltag|libavcodec)' control/control || exit 1
 dpkg-deb -e waymark-tools_*.deb tools_control
 ! grep -E '^Depends:.*(opencv|apriltag|libavcodec)' tools_control/control || exit 1
-dpkg-deb --fsys-tarfile waymark-referees_*.deb | tar -t | grep -qxF ./usr/lib/waymark/libwaymark_referees.so
-dpkg-deb --fsys-tarfile waymark-video_*.deb | tar -t | grep -qxF ./usr/lib/waymark/libwaymark_video.so
+dpkg-deb --fsys-tarfile waymark-referees_*.deb | tar -t | grep -qxF ./usr/lib/waymark/modules/libwaymark_referees.so
+dpkg-deb --fsys-tarfile waymark-video_*.deb | tar -t | grep -qxF ./usr/lib/waymark/modules/libwaymark_video.so

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/detect/square_finder.h"
+#include "core/marker/marker_layout.h"
 #include "core/marker/nested_families.h"
 #include "tests/support/printed_wall.h"
 
@@ -50,7 +52,7 @@ TEST_F(SquareReaderTest, MeasuresTheBordersWidth) {
     for (const ImageCorners& square : find_squares(wall.view())) {
       for (const SquareReading& reading : reader.read(wall.view(), square).readings) {
         if (reading.form.family != print.family) continue;
-        EXPECT_NEAR(reading.border_cells, border_cells, 0.15);
+        EXPECT_NEAR(reading.border_cells, border_cells, 0.05);
         EXPECT_EQ(reading.form.other_border, border_cells != 1.0);
         ++read;
       }
@@ -80,8 +82,18 @@ TEST_F(SquareReaderTest, ChanceIsThatOfTheFamily) {
   const SquareForm strong{Family::tag36h11, true, false};
   EXPECT_LT(reader.chance_of(strong, true), 1e-7);
   EXPECT_LT(reader.chance_of(strong, true), reader.chance_of(strong, false));
+  for (const Family family : SquareReader::families()) {
+    EXPECT_GT(reader.chance_of({family, false, false}, true), 0) << name_of(family);
+  }
+}
+
+TEST_F(SquareReaderTest, AFamilyOfBlackSquaresIsReadByTheLargestThatBeginsWithIt) {
+  const auto families = SquareReader::families();
   for (const FamilyTraits& family : all_families()) {
-    EXPECT_GT(reader.chance_of({largest_beginning_with(family.family), false, false}, true), 0);
+    const Family largest = largest_beginning_with(family.family);
+    EXPECT_EQ(std::count(families.begin(), families.end(), largest),
+              marker_layout(family.family).is_light() ? 0 : 1)
+        << family.name;
   }
 }
 

@@ -41,7 +41,7 @@ class Considered : public testing::Test {
                           {&rig_.cameras[c].model, rig_.cameras[c].rig_from_cam.inverse(), Rigid3{},
                            rig_.cameras[c].rig_from_cam * cam_from_marker},
                           {}, Vector6d::Zero());
-        seen.push_back({c, *columns, true});
+        seen.push_back({c, 0, *columns, ModeColumns::Zero(), true});
         seen.back().columns.whiten(kNoise_px * kNoise_px * Matrix8d::Identity());
       }
     }
@@ -62,20 +62,42 @@ class Considered : public testing::Test {
           e.segment<kCalibrationNumbers>(CalibrationPrior::first_of(o.camera));
       o.columns.residual = o.columns.by_pose * x +
                            o.columns.by_camera * CalibrationPrior::units().asDiagonal() * own +
-                           o.columns.by_size * CalibrationPrior::kSizeUnit * e[prior.size() - 1];
+                           o.columns.by_size * CalibrationPrior::kSizeUnit * e[prior.at_size(0)];
       for (double& number : o.columns.residual) number += normal();
     }
     return x;
   }
 
-  Rig rig_ = test::ring_rig(3);
+  /// As a careful calibration of global shutters has them.
+  static Rig usual_rig() {
+    Rig rig = test::ring_rig(3);
+    for (RigCamera& camera : rig.cameras) {
+      camera.stated_sigmas = {};
+      camera.stated_sigmas.edge_px = 0.02;
+      camera.global_shutter = true;
+    }
+    return rig;
+  }
+  static SubMap one_size() {
+    SubMap map;
+    map.markers.emplace_back().stated_size_m = 0.3;
+    return map;
+  }
+  static SubMap exact_map() {
+    SubMap map = one_size();
+    state_exact_sizes(map);
+    return map;
+  }
+  [[nodiscard]] CalibrationPrior usual_prior() const { return {rig_, {}, one_size(), false}; }
+
+  Rig rig_ = usual_rig();
   std::mt19937 random_{5};
   std::normal_distribution<double> normal_;
 };
 
 TEST_F(Considered, ErrorsAreWhatTheCovarianceSays) {
-  const CalibrationPrior prior(rig_, {}, 1e-3);
-  ConsiderPose pose(3);
+  const CalibrationPrior prior = usual_prior();
+  ConsiderPose pose(prior);
   double nees = 0, misfit = 0, freedoms = 0, outlier = 0;
   int observations = 0;
   constexpr int kTrials = 300;
@@ -98,8 +120,8 @@ TEST_F(Considered, ErrorsAreWhatTheCovarianceSays) {
 }
 
 TEST_F(Considered, WhatIsExactIsLeastSquares) {
-  const CalibrationPrior prior(rig_, CalibrationSigmas::exact(), 0);
-  ConsiderPose pose(3);
+  const CalibrationPrior prior(test::ring_rig(3), {}, exact_map(), false);
+  ConsiderPose pose(prior);
   auto seen = see();
   const Vector6d x = err(prior, 1, seen);
   ASSERT_TRUE(pose.solve(seen, prior, Matrix6d::Identity()));
@@ -116,8 +138,8 @@ TEST_F(Considered, WhatIsExactIsLeastSquares) {
 }
 
 TEST_F(Considered, AnObservationThatIsWrongShowsWhetherItIsUsedOrNot) {
-  const CalibrationPrior prior(rig_, {}, 1e-3);
-  ConsiderPose pose(3);
+  const CalibrationPrior prior = usual_prior();
+  ConsiderPose pose(prior);
   auto seen = see();
   (void)err(prior, 1, seen);
   seen[3].columns.residual.array() += 60;
@@ -130,8 +152,8 @@ TEST_F(Considered, AnObservationThatIsWrongShowsWhetherItIsUsedOrNot) {
 }
 
 TEST_F(Considered, AWidenedCameraHasNoSay) {
-  CalibrationPrior prior(rig_, {}, 1e-3);
-  ConsiderPose pose(3);
+  CalibrationPrior prior = usual_prior();
+  ConsiderPose pose(prior);
   auto seen = see();
   (void)err(prior, 1, seen);
   ASSERT_TRUE(pose.solve(seen, prior, Matrix6d::Identity()));
@@ -144,8 +166,8 @@ TEST_F(Considered, AWidenedCameraHasNoSay) {
 }
 
 TEST_F(Considered, NothingIsNoPose) {
-  const CalibrationPrior prior(rig_, {}, 1e-3);
-  ConsiderPose pose(3);
+  const CalibrationPrior prior = usual_prior();
+  ConsiderPose pose(prior);
   EXPECT_FALSE(pose.solve({}, prior, Matrix6d::Identity()));
 }
 

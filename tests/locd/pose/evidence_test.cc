@@ -4,6 +4,9 @@
 
 #include <random>
 
+#include "tests/support/small_map.h"
+#include "tests/support/synthetic_room.h"
+
 namespace waymark {
 namespace {
 
@@ -16,7 +19,7 @@ class Sets : public testing::Test {
     const auto fill = [&](auto& matrix) {
       for (double& number : matrix.reshaped()) number = normal_(random_);
     };
-    EvidenceRow row{marker, camera, view, ErrorColumns::none(0)};
+    EvidenceRow row{marker, camera, 0, view, ErrorColumns::none(0)};
     fill(row.columns.by_pose);
     fill(row.columns.by_marker);
     fill(row.columns.by_camera);
@@ -24,7 +27,8 @@ class Sets : public testing::Test {
     return row;
   }
 
-  Evidence evidence_{kCameras, 100};
+  CalibrationPrior prior_{test::ring_rig(kCameras), {}, test::small_map().submaps[0], false};
+  Evidence evidence_{prior_, 100};
   Evidence::System system_;
   std::mt19937 random_{1};
   std::normal_distribution<double> normal_;

@@ -47,7 +47,7 @@ class Explained : public testing::Test {
     const RigCamera& cam = rig_.cameras[camera];
     for (std::size_t i = 0; i < 4; ++i)
       o.corners_px[i] = *cam.model.project(cam_from_marker * x[i]);
-    EvidenceRow row{marker, camera, 0,
+    EvidenceRow row{marker, camera, 0, 0,
                     *error_columns(o,
                                    {&cam.model, cam.rig_from_cam.inverse(), Rigid3{},
                                     cam.rig_from_cam * cam_from_marker},
@@ -57,12 +57,18 @@ class Explained : public testing::Test {
     return row;
   }
 
-  Rig rig_ = test::ring_rig(2);
+  static Rig usual_rig() {
+    Rig rig = test::ring_rig(2);
+    for (RigCamera& camera : rig.cameras) camera.stated_sigmas = {};
+    return rig;
+  }
+
+  Rig rig_ = usual_rig();
   MapIndex map_{exact_map()};
-  CalibrationPrior prior_{rig_, {}, 1e-3};
-  Evidence evidence_{2, 3};
+  CalibrationPrior prior_{rig_, {}, map_.submap(), false};
+  Evidence evidence_{prior_, 3};
   Evidence::System system_;
-  Explanations explanations_{2, map_};
+  Explanations explanations_{prior_, map_};
   std::mt19937 random_{4};
   std::normal_distribution<double> normal_;
 };

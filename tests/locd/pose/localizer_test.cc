@@ -31,10 +31,7 @@ std::vector<QuarantinedMarker> quarantine_of(Localizer& localizer) {
 
 TEST(Localizer, PosesAreWithinTheirCovariance) {
   RoomDrive drive(test::make_room(usual(200)));
-  LocalizerOptions exact;
-  exact.calibration = CalibrationSigmas::exact();
-  exact.size_sigma = 0;
-  Localizer localizer(drive.room().rig, test::room_map(drive.room()), exact);
+  Localizer localizer(drive.room().rig, test::room_map(drive.room()), {});
   PoseEstimate estimate;
   double nees = 0;
   for (std::size_t i = 0; i < drive.size(); ++i) {

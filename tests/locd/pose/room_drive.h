@@ -6,6 +6,7 @@
 #include "locd/frames/frame_synchronizer.h"
 #include "locd/pose/localizer.h"
 #include "tests/support/room_capture.h"
+#include "tests/support/room_map.h"
 
 namespace waymark::test {
 

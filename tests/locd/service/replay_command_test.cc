@@ -10,6 +10,7 @@
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
 #include "tests/support/room_capture.h"
+#include "tests/support/room_map.h"
 
 namespace waymark {
 namespace {

@@ -64,6 +64,20 @@ INSTANTIATE_TEST_SUITE_P(Orders, Layouts,
                                          Order{0.1, "a4"}, Order{0.03, "a4"}, Order{0.2, "a3"},
                                          Order{0.01, "100x150"}));
 
+TEST(Layout, AllThatAMarkerHasAroundItsSquareIsPrinted) {
+  for (const Family family : {Family::tag36h11, Family::tagstandard41h12}) {
+    for (const Sheet& sheet : lay_out({batch(5, 0.03, family)}, *paper_from_name("a4"))) {
+      for (const PrintedSquare& printed : sheet.squares) {
+        const Box whole = with_margin(printed);
+        EXPECT_LE(printed.window.left_mm, whole.left_mm + 1e-9);
+        EXPECT_LE(printed.window.top_mm, whole.top_mm + 1e-9);
+        EXPECT_GE(printed.window.right_mm(), whole.right_mm() - 1e-9);
+        EXPECT_GE(printed.window.bottom_mm(), whole.bottom_mm() - 1e-9);
+      }
+    }
+  }
+}
+
 TEST(Layout, PaperIsTurnedWhereMoreFitThen) {
   // With its margin and name a marker takes 75 by 82 mm: one on 100 by 150, two on 150 by 100.
   const auto turned = lay_out({batch(2, 0.06)}, {100, 150});
