@@ -133,8 +133,10 @@ MarkerPixels::Places MarkerPixels::around(const GrayView& image) const {
   const auto map = CellMap::of(start_, cells_);
   if (!map) return places;
   constexpr double kNear_px = 2.0;
+  constexpr double kLeastCells = 0.25;  // large cells are often seen out of focus
   constexpr double kMostCells = 0.5;
-  const double reach = std::min(kNear_px * cells_ / std::sqrt(area_px2(start_)), kMostCells);
+  const double reach =
+      std::clamp(kNear_px * cells_ / std::sqrt(area_px2(start_)), kLeastCells, kMostCells);
   Eigen::Vector2d low = start_[0];
   Eigen::Vector2d high = start_[0];
   for (const Eigen::Vector2d& corner : start_) {

@@ -69,7 +69,9 @@ TEST_F(EdgeCorrection, TakesGammaOffEverySide) {
 TEST_F(EdgeCorrection, WhatTheRigFileStatesIsTakenAndNotMeasured) {
   take(8);
   const DetectedCapture plain = detect(false);
-  folder_.write("rig.yaml", scene_rig_yaml() + "  edge_bias_px: 0.2\n");
+  std::string stated_rig = scene_rig_yaml();
+  stated_rig += "  edge_bias_px: 0.2\n";
+  folder_.write("rig.yaml", stated_rig);
   const DetectedCapture stated = detect(true);
   EXPECT_FALSE(report_.edges.at(0));
   EXPECT_FALSE(stated.edges.at(0));
