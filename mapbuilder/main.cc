@@ -14,6 +14,7 @@
 #include "core/base/standard_output.h"
 #include "core/base/usage_text.h"
 #include "mapbuilder/commands/build_command.h"
+#include "mapbuilder/commands/calibrate_command.h"
 #include "mapbuilder/commands/detect_command.h"
 #include "mapbuilder/commands/diff_command.h"
 #include "mapbuilder/commands/edit_command.h"
@@ -176,6 +177,32 @@ Command add_build(CLI::App& app, Progress& progress) {
   };
 }
 
+Command add_calibrate(CLI::App& app, Progress& progress) {
+  auto* sub = app.add_subcommand(
+      "calibrate", "find lenses and places of a rig's cameras from captures; no rig file needed");
+  auto options = std::make_shared<CalibrateCommandOptions>();
+  sub->add_option("CAPTURE", options->input.paths, "capture folders of one rig")->required();
+  sub->add_option("-o,--output", options->output, "rig file to write (Kalibr camchain)")
+      ->required();
+  static const std::map<std::string, std::optional<Distortion>> lenses{
+      {"auto", std::nullopt},
+      {"none", Distortion::none},
+      {"radtan", Distortion::radtan},
+      {"equidistant", Distortion::equidistant}};
+  sub->add_option_function<std::string>(
+         "--model",
+         [options](const std::string& name) { options->calibration.lens = lenses.at(name); },
+         "lens: auto (by evidence, default), none, radtan or equidistant")
+      ->check(CLI::IsMember({"auto", "none", "radtan", "equidistant"}));
+  sub->add_option("--report", options->report, "folder for summary.json and a page (index.html)");
+  sub->add_flag("--redetect", options->input.detect.redetect,
+                "detect even where detections.csv exists");
+  add_detector_option(*sub, options->input.detect.engine);
+  add_rules_options(*sub, options->rules);
+  add_threads_option(*sub, options->input.detect.threads);
+  return [options, &progress] { return run_calibrate(*options, progress, std::cout, std::cerr); };
+}
+
 Command add_update(CLI::App& app, Progress& progress) {
   auto* sub =
       app.add_subcommand("update", "bring a map up to date by captures that see some of it");
@@ -313,6 +340,7 @@ int run(int argc, char** argv) {
   std::map<std::string, Command> commands;
   commands["detect"] = add_detect(app, progress);
   commands["build"] = add_build(app, progress);
+  commands["calibrate"] = add_calibrate(app, progress);
   commands["update"] = add_update(app, progress);
   commands["localize"] = add_localize(app, progress);
   commands["info"] = add_info(app);

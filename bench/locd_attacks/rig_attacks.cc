@@ -35,9 +35,9 @@ Rigid3 knocked(const Rigid3& pose, double turn_rad, double move_m, simulator::Ra
           pose.translation + move_m * direction(random)};
 }
 
-/// As good as calibrations are, in the true rig: locd has the stated one.
+/// As good as calibrations and clocks (1 ms) are, in the true rig: locd has the stated one.
 Attack calibration() {
-  return {"calibration 0.05 deg 1 mm 0.1 % 0.5 px k1 0.005 1 ms",
+  return {"calibration 0.05 deg 1 mm 0.1 % 0.5 px k1 0.005",
           [](World& w) {
             auto& r = w.random;
             for (std::size_t c = 0; c < w.rig.cameras.size(); ++c) {

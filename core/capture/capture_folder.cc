@@ -5,6 +5,7 @@
 #include "core/base/is_there.h"
 #include "core/base/toml_fields.h"
 #include "core/camera/kalibr.h"
+#include "core/capture/rig_of_frames.h"
 
 namespace waymark {
 namespace {
@@ -14,7 +15,9 @@ namespace fs = std::filesystem;
 /// Reads one capture folder; each step fills a part of the result.
 class FolderReader {
  public:
-  explicit FolderReader(const fs::path& path) { capture_.path = path; }
+  FolderReader(const fs::path& path, RigFile rig_file) : rig_file_(rig_file) {
+    capture_.path = path;
+  }
 
   Expected<CaptureFolder> read() {
     std::error_code ignored;
@@ -23,7 +26,7 @@ class FolderReader {
     }
     for (const auto step :
          {&FolderReader::read_rig, &FolderReader::read_catalog, &FolderReader::read_capture_toml,
-          &FolderReader::find_tables, &FolderReader::find_images}) {
+          &FolderReader::find_tables, &FolderReader::guess_rig, &FolderReader::find_images}) {
       if (auto status = (this->*step)(); !status) return tl::make_unexpected(status.error());
     }
     return std::move(capture_);
@@ -31,6 +34,7 @@ class FolderReader {
 
  private:
   Status read_rig() {
+    if (rig_file_ == RigFile::optional && !is_there(capture_.path / "rig.yaml")) return {};
     auto loaded = read_camchain(capture_.path / "rig.yaml");
     if (!loaded) return tl::make_unexpected(loaded.error());
     capture_.rig = std::move(loaded->rig);
@@ -71,6 +75,15 @@ class FolderReader {
     return {};
   }
 
+  Status guess_rig() {
+    if (!capture_.rig.cameras.empty()) return {};
+    auto rig = rig_of_frames({capture_.path, capture_.detections_csv, capture_.monotonic},
+                             capture_.catalog, capture_.notes);
+    if (!rig) return tl::make_unexpected(rig.error());
+    capture_.rig = *std::move(rig);
+    return {};
+  }
+
   Status find_images() {
     const auto folders = find_camera_folders(capture_.path, capture_.rig);
     if (!folders) return tl::make_unexpected(folders.error());
@@ -88,13 +101,14 @@ class FolderReader {
     return {};
   }
 
+  RigFile rig_file_;
   CaptureFolder capture_;
 };
 
 }  // namespace
 
-Expected<CaptureFolder> open_capture_folder(const fs::path& path) {
-  return FolderReader(path).read();
+Expected<CaptureFolder> open_capture_folder(const fs::path& path, RigFile rig_file) {
+  return FolderReader(path, rig_file).read();
 }
 
 }  // namespace waymark

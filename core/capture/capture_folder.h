@@ -14,6 +14,12 @@
 
 namespace waymark {
 
+/// Whether a capture must say what its cameras are.
+enum class RigFile {
+  required,
+  optional,  ///< without one, the rig is that of its frames (rig_of_frames.h), numbers guessed
+};
+
 /// A capture folder (FORMATS): what is there, checked, without any image decoded yet.
 struct CaptureFolder {
   std::filesystem::path path;
@@ -33,10 +39,11 @@ struct CaptureFolder {
 /// capture.toml, every key optional: clock = "realtime" | "monotonic", session = "…",
 /// sync_tolerance_us = 0…1000000 (default 5000), codec = "…", software = "…",
 /// date_known = true | false; no other.
-/// Errors: no_input (no such folder; no rig.yaml or markers.toml; neither images nor
-/// detections.csv), bad_data (a camK folder without an entry in rig.yaml, or the reverse; a name
-/// that is no stamp in a capture with several cameras or with other stamps; two images of one
-/// camera with one stamp; unreadable rig, catalog or capture.toml), permission, io.
-[[nodiscard]] Expected<CaptureFolder> open_capture_folder(const std::filesystem::path& path);
+/// Errors: no_input (no such folder; no markers.toml; no rig.yaml where it is required; neither
+/// images nor detections.csv), bad_data (a camK folder without an entry in rig.yaml, or the
+/// reverse; a name that is no stamp in a capture with several cameras or with other stamps; two
+/// images of one camera with one stamp; unreadable rig, catalog or capture.toml), permission, io.
+[[nodiscard]] Expected<CaptureFolder> open_capture_folder(const std::filesystem::path& path,
+                                                          RigFile rig_file = RigFile::required);
 
 }  // namespace waymark

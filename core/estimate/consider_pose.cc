@@ -16,6 +16,9 @@ constexpr Eigen::Index kMotion = 12;
 ConsiderPose::ConsiderPose(const CalibrationPrior& prior) : slot_(prior.cameras(), -1) {
   const Eigen::Index most = kMotion + prior.size();
   hessian_.setZero(most, most);
+  information_.setZero(most, most);
+  columns_.setZero(most, 7);
+  evidence_.setZero(most);
   inverse_.setZero(most, most);
   prior_.setZero(most, most);
   right_.setZero(most);
@@ -46,12 +49,13 @@ ConsiderPose::Columns ConsiderPose::columns_of(const ConsideredObservation& obse
   return columns;
 }
 
-void ConsiderPose::add(const ConsideredObservation& observation) {
+void ConsiderPose::add(const ConsideredObservation& observation, double sign) {
   const OwnColumns j = own_columns_of(observation);
+  const OwnColumns signed_j = sign * j;
   const Vector8d& residual = observation.columns.residual;
   Eigen::Matrix<double, kOwn, kOwn> square;
-  square.noalias() = j.transpose() * j;
-  const Eigen::Matrix<double, kOwn, 1> pull = j.transpose() * residual;
+  square.noalias() = signed_j.transpose() * j;
+  const Eigen::Matrix<double, kOwn, 1> pull = signed_j.transpose() * residual;
   const Parts parts = parts_of(observation);
   // Of the system the lower triangle alone.
   for (std::size_t a = 0; a < 3; ++a) {
@@ -62,14 +66,15 @@ void ConsiderPose::add(const ConsideredObservation& observation) {
     }
   }
   if (modes_ == 0) return;
-  const ModeColumns& by_modes = observation.by_modes;
+  const ModeColumns by_modes = sign * observation.by_modes;
   Eigen::Matrix<double, kMapModes, kOwn> mixed;
   mixed.noalias() = by_modes.transpose() * j;
   for (std::size_t b = 0; b < 3; ++b) {
     hessian_.block(first_mode_, parts[b].at, kMapModes, parts[b].count) +=
         mixed.middleCols(parts[b].own, parts[b].count);
   }
-  hessian_.block<kMapModes, kMapModes>(first_mode_, first_mode_) += by_modes.transpose() * by_modes;
+  hessian_.block<kMapModes, kMapModes>(first_mode_, first_mode_) +=
+      by_modes.transpose() * observation.by_modes;
   right_.segment<kMapModes>(first_mode_) += by_modes.transpose() * residual;
 }
 
@@ -123,6 +128,8 @@ bool ConsiderPose::solve(std::span<const ConsideredObservation> observations,
     freedoms_ += 8;
   }
   auto h = hessian_.topLeftCorner(size_, size_);
+  information_.topLeftCorner(size_, size_) = h;
+  evidence_.head(size_) = right_.head(size_);
   Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(h);
   if (factor.info() != Eigen::Success) return false;
   auto x = x_.head(size_);
@@ -157,16 +164,54 @@ Eigen::Matrix<double, 6, 8> ConsiderPose::gain(const ConsideredObservation& obse
   return touched_by(observation).covariance.topRows<6>() * columns_of(observation).transpose();
 }
 
-double ConsiderPose::squared_sigmas(const ConsideredObservation& observation) const {
+std::optional<ConsiderPose::Subset> ConsiderPose::without(
+    std::span<const ConsideredObservation* const> left_out) {
+  if (left_out.size() == 1) return without_one(*left_out.front());
+  auto h = hessian_.topLeftCorner(size_, size_);
+  h = information_.topLeftCorner(size_, size_);
+  right_.head(size_) = evidence_.head(size_);
+  for (const ConsideredObservation* o : left_out) add(*o, -1);
+  Eigen::LLT<Eigen::Ref<Eigen::MatrixXd>> factor(h);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  // L⁻¹ [e₁ … e₆, b]: products of its columns are the pose's covariance and the pose.
+  auto columns = columns_.topRows(size_);
+  columns.setZero();
+  columns.topLeftCorner<6, 6>().setIdentity();
+  columns.col(6) = right_.head(size_);
+  factor.matrixL().solveInPlace(columns);
+  Subset subset;
+  subset.covariance.noalias() = columns.leftCols<6>().transpose() * columns.leftCols<6>();
+  subset.step.noalias() = columns.leftCols<6>().transpose() * columns.col(6);
+  if (!subset.covariance.allFinite() || !subset.step.allFinite()) return std::nullopt;
+  return subset;
+}
+
+ConsiderPose::Left ConsiderPose::left_by(const ConsideredObservation& observation) const {
   const Columns j = columns_of(observation);
   const Touched touched = touched_by(observation);
-  const Vector8d left = observation.columns.residual - j * touched.value;
   const Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, kMostTouched> half = j * touched.covariance;
-  const Matrix8d of_pose = half * j.transpose();
+  return {observation.columns.residual - j * touched.value, half * j.transpose()};
+}
+
+double ConsiderPose::squared_sigmas(const ConsideredObservation& observation) const {
+  const Left left = left_by(observation);
   // Leave-one-out of what carries the pose; the plain sum of what does not.
   const double sign = observation.used ? -1 : 1;
-  const Matrix8d covariance = Matrix8d::Identity() + sign * of_pose;
-  return left.dot(SymmetricFactor<8>(covariance).solve(left));
+  const Matrix8d covariance = Matrix8d::Identity() + sign * left.of_pose;
+  return left.residual.dot(SymmetricFactor<8>(covariance).solve(left.residual));
+}
+
+std::optional<ConsiderPose::Subset> ConsiderPose::without_one(
+    const ConsideredObservation& observation) const {
+  const Left left = left_by(observation);
+  const Eigen::LLT<Matrix8d> factor(Matrix8d::Identity() - left.of_pose);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  const Eigen::Matrix<double, 6, 8> gain = this->gain(observation);
+  Subset subset;
+  subset.step = step() - gain * factor.solve(left.residual);
+  subset.covariance = covariance() + gain * factor.solve(gain.transpose());
+  if (!subset.covariance.allFinite() || !subset.step.allFinite()) return std::nullopt;
+  return subset;
 }
 
 }  // namespace waymark

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -47,6 +48,16 @@ class ConsiderPose {
   [[nodiscard]] int freedoms() const { return freedoms_; }
   /// How the pose follows an observation's residual, in its whitened units.
   [[nodiscard]] Eigen::Matrix<double, 6, 8> gain(const ConsideredObservation& observation) const;
+  /// The pose of the last solve without some of the observations that carry it, from the same
+  /// linearization. Exact: what they say is taken out of the normal equations.
+  struct Subset {
+    Vector6d step = Vector6d::Zero();
+    Matrix6d covariance = Matrix6d::Zero();
+  };
+  /// nullopt: what is left determines no pose. Of one observation in closed form, of several by a
+  /// factorization.
+  [[nodiscard]] std::optional<Subset> without(
+      std::span<const ConsideredObservation* const> left_out);
   /// χ² of 8 freedoms of one observation, held against the pose of all others.
   [[nodiscard]] double squared_sigmas(const ConsideredObservation& observation) const;
 
@@ -68,14 +79,22 @@ class ConsiderPose {
     Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostTouched, 1> value;
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostTouched, kMostTouched> covariance;
   };
+  /// What an observation leaves at the optimum, and how far its own say moves the covariance of
+  /// that: J C Jᵀ.
+  struct Left {
+    Vector8d residual;
+    Matrix8d of_pose;
+  };
+  [[nodiscard]] Left left_by(const ConsideredObservation& observation) const;
+  [[nodiscard]] std::optional<Subset> without_one(const ConsideredObservation& observation) const;
   [[nodiscard]] Parts parts_of(const ConsideredObservation& observation) const;
   [[nodiscard]] Touched touched_by(const ConsideredObservation& observation) const;
   [[nodiscard]] static OwnColumns own_columns_of(const ConsideredObservation& observation);
   [[nodiscard]] Columns columns_of(const ConsideredObservation& observation) const;
   void begin(std::span<const ConsideredObservation> observations, const CalibrationPrior& prior,
              const Matrix6d& velocity_covariance);
-  /// Adds JᵀJ and Jᵀy of one observation where its numbers stand.
-  void add(const ConsideredObservation& observation);
+  /// Adds JᵀJ and Jᵀy of one observation where its numbers stand; `sign` −1 takes them out.
+  void add(const ConsideredObservation& observation, double sign = 1);
 
   std::vector<Eigen::Index> slot_;  ///< of each camera, −1: sees nothing
   std::vector<Eigen::Index> kept_;  ///< of the prior's numbers those in the system, in its order
@@ -84,9 +103,12 @@ class ConsiderPose {
   Eigen::Index modes_ = 0;
   Eigen::Index size_ = 0;  ///< of the system
   Eigen::MatrixXd hessian_;
+  Eigen::MatrixXd information_;  ///< of the last solve, before it was factored
+  Eigen::MatrixXd columns_;      ///< right-hand sides of without()
   Eigen::MatrixXd inverse_;
   Eigen::MatrixXd prior_;
   Eigen::VectorXd right_;
+  Eigen::VectorXd evidence_;  ///< right_ of the last solve
   Eigen::VectorXd x_;
   double misfit_ = 0;
   int freedoms_ = 0;

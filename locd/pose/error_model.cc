@@ -178,6 +178,9 @@ void ErrorModel::update(Stamp stamp, std::span<const SetObservation> observation
 
 void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const RobustPose& robust,
                         std::vector<Alert>& alerts) {
+  // Not in the set in which it looks: no set shall take much longer than others.
+  if (back_due_) look_back(set.stamp, alerts);
+  back_due_ = false;
   make_rows(set, velocity, robust);
   if (rows_.size() < 2 || !evidence_.is_new(rows_)) return;
   evidence_.add(rows_);
@@ -186,8 +189,8 @@ void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const Robu
   if (!early && sets % options_.sets_per_look != 0) return;
   constexpr std::array<int, 6> kWindows{1, 2, 4, 1, 2, 16};
   look(set.stamp, kWindows[static_cast<std::size_t>(looks_) % kWindows.size()], alerts);
-  if (looks_ % 3 == 2) look_back(set.stamp, alerts);
   ++looks_;
+  back_due_ = looks_ % 3 == 0;
 }
 
 void ErrorModel::believe_quarantine() {
@@ -262,7 +265,7 @@ void ErrorModel::look_back(Stamp stamp, std::vector<Alert>& alerts) {
   evidence_.sum(kBlocks, system_);
   believe_quarantine();
   if (believed_.empty()) return;
-  const Explanation asked = believed_[static_cast<std::size_t>(looks_ / 3) % believed_.size()];
+  const Explanation asked = believed_[static_cast<std::size_t>(looks_ / 3 - 1) % believed_.size()];
   std::erase(believed_, asked);
   const auto scores = explanations_.judge(system_, prior_, believed_);
   const auto own = explanations_.score_of(asked);

@@ -122,6 +122,7 @@ class ErrorModel {
   Waiting waiting_;
   long forgotten_ = 0;  ///< sets that were gathered and are no more
   int looks_ = 0;
+  bool back_due_ = false;  ///< the next set looks back
 };
 
 }  // namespace waymark

@@ -156,7 +156,10 @@ bool Explanations::reduce(const Evidence::System& system, const CalibrationPrior
   auto reduced = reduced_.topLeftCorner(freedoms_, size_);
   reduced.topRows(shared_).setZero();
   add_transposed_product(of_numbers, a.topRows(numbers_), reduced.topRows(shared_));
-  add_transposed_product(of_markers, a.bottomRows(markers), reduced.topRows(shared_));
+  const bool following = prior.modes() > 0;  // markers follow nothing else
+  if (following) {
+    add_transposed_product(of_markers, a.bottomRows(markers), reduced.topRows(shared_));
+  }
   answered_.head(shared_).noalias() = of_numbers.transpose() * evidence_.head(numbers_);
   answered_.head(shared_).noalias() +=
       of_markers.transpose() * evidence_.segment(numbers_, markers);
@@ -169,7 +172,7 @@ bool Explanations::reduce(const Evidence::System& system, const CalibrationPrior
   auto kernel = kernel_.topLeftCorner(freedoms_, freedoms_);
   kernel.setIdentity();
   add_product(reduced.leftCols(numbers_), of_numbers, kernel.leftCols(shared_));
-  add_product(reduced.rightCols(markers), of_markers, kernel.leftCols(shared_));
+  if (following) add_product(reduced.rightCols(markers), of_markers, kernel.leftCols(shared_));
   at = shared_;
   for (const OwnRoot& own : own_roots_) {
     kernel.middleCols<6>(at).noalias() += reduced.middleCols<6>(own.row) * own.root;

@@ -5,12 +5,14 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/camera/rig_parameters.h"
 #include "core/estimate/calibration_prior.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/skew_watch.h"
 #include "locd/pose/error_model.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/map_watch.h"
+#include "locd/pose/protection.h"
 #include "locd/pose/riding_watch.h"
 #include "locd/pose/robust_pose.h"
 #include "locd/pose/set_observer.h"
@@ -42,6 +44,8 @@ struct Localizer::Implementation {
         motion(options.motion()),
         map_watch(map, robust.solver()),
         error_model(rig, map, map_watch, prior),
+        protection(rig.cameras.size(), options.protected_point_in_rig,
+                   note_of_default_sigmas(rig, "").has_value()),
         swap_watch(rig, map),
         riding_watch(map, robust.solver()),
         skew_watch({options.triggered, options.negligible_skew}) {
@@ -72,6 +76,7 @@ struct Localizer::Implementation {
   MotionFilter motion;
   MapWatch map_watch;
   ErrorModel error_model;
+  ProtectionLevels protection;
   SwapWatch swap_watch;
   RidingWatch riding_watch;
   SkewWatch skew_watch;
@@ -110,6 +115,7 @@ void Localizer::Implementation::solve(const FrameSetLease& set, PoseEstimate& es
     return;
   }
   report(*solution, estimate);
+  estimate.protection = protection.of(used, *solution, robust);
   map_watch.look_at_fit(estimate.stamp, solution->inlier_markers, solution->outlier_markers,
                         alerts);
   judge(set, *solution, expected, estimate);
@@ -189,7 +195,10 @@ ReasonBits Localizer::Implementation::reasons_of_timing(const FrameSetLease& set
   Stamp readout{0};
   for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
     if (!set.has(c)) continue;
-    readout = std::max(readout, from_us(rig.cameras[c].readout_us.value_or(0)));
+    // As long as it may be, where nobody has stated it.
+    constexpr double kSigmas = 3;
+    const double unsure_us = 1e6 * kSigmas * std::sqrt(prior.variances_of(c)[kReadout]);
+    readout = std::max(readout, from_us(rig.cameras[c].readout_us.value_or(0) + unsure_us));
     if (set.frames[c].info().quality == StampQuality::arrival) {
       reasons |= bit(PoseReason::unsynced);
     }
@@ -216,6 +225,7 @@ void Localizer::Implementation::judge(const FrameSetLease& set, const PoseSoluti
   }
   if (error_model.undecided() || contradicts_itself(solution)) reasons |= bit(PoseReason::misfit);
   if (observer.usable() != set.expected) reasons |= bit(PoseReason::camera_missing);
+  reasons |= gate.judge(estimate.protection);
   if (map_watch.wrong_map()) reasons |= bit(PoseReason::wrong_map);
   reasons |= reasons_of_timing(set, expected && expected->velocity_known, estimate);
   estimate.resets = gate.resets();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <functional>
 #include <vector>
 
@@ -27,7 +28,9 @@ struct LocalizerOptions {
   std::vector<Family> inverted;  ///< families that are printed white for black
   /// Look for markers where the prediction has them, and in the whole images by turns.
   bool guided = true;
-  int detection_threads = 0;  ///< 0: one per camera, at most as many as there are processors
+  Eigen::Vector3d protected_point_in_rig =
+      Eigen::Vector3d::Zero();  ///< whose position levels bound
+  int detection_threads = 0;    ///< 0: one per camera, at most as many as there are processors
   /// Called by each detection worker when it begins: its name, its priority. Empty: nothing.
   std::function<void()> begin_worker;
 

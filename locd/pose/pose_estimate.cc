@@ -12,7 +12,7 @@ std::string_view name_of(PoseReason reason) {
   constexpr std::array<std::string_view, kPoseReasons> kNames = {
       "NO_FRAMES",   "NO_MAP",         "NO_MARKERS",     "NO_SOLUTION", "TWO_POSES", "SIGMA",
       "FEW_MARKERS", "JUMP",           "CAMERA_MISSING", "NO_VELOCITY", "SKEW",      "UNSYNCED",
-      "OUTLIERS",    "CAMERA_SUSPECT", "OVERLOAD",       "MISFIT",      "WRONG_MAP"};
+      "OUTLIERS",    "CAMERA_SUSPECT", "OVERLOAD",       "MISFIT",      "WRONG_MAP", "PROTECTION"};
   return kNames.at(static_cast<std::size_t>(std::countr_zero(bit(reason))));
 }
 
@@ -49,6 +49,7 @@ void PoseEstimate::lose_pose(PoseReason why) {
   world_from_rig.translation.setConstant(kNaN);
   covariance.setConstant(kNaN);
   velocity.setConstant(kNaN);
+  protection = {Eigen::Vector3d::Constant(kNaN), kNaN, kNaN, false};
   cameras_used = 0;
   markers_used = 0;
   observations_used = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -47,13 +48,14 @@ enum class PoseReason : std::uint32_t {
   overload = 1U << 14,        ///< lost: frames come faster than they can be localized
   misfit = 1U << 15,          ///< what is seen contradicts itself; what is wrong is not known yet
   wrong_map = 1U << 16,       ///< markers don't hang where the map says, all over
+  protection = 1U << 17,      ///< protection levels beyond the limits
 };
 using ReasonBits = std::uint32_t;
 [[nodiscard]] constexpr ReasonBits bit(PoseReason reason) {
   return static_cast<ReasonBits>(reason);
 }
 /// How many there are: bits 0 to kPoseReasons − 1.
-inline constexpr std::size_t kPoseReasons = 17;
+inline constexpr std::size_t kPoseReasons = 18;
 /// "NO_FRAMES", …: the constant of pose_t.
 [[nodiscard]] std::string_view name_of(PoseReason reason);
 
@@ -84,6 +86,24 @@ struct StageTimes {
   Stamp watch{0};   ///< gate, map watch
 };
 
+/// Bounds that a pose's error exceeds seldom (ProtectionLevels::kRisk) while nothing is wrong, or
+/// any one marker or, of several, any one camera is, by whatever amount. World axes.
+struct Protection {
+  Eigen::Vector3d axis_m;   ///< of the protected point, along each axis
+  double horizontal_m = 0;  ///< of it, in the plane of x and y
+  double rotation_rad = 0;
+  bool of_cameras = false;  ///< whether a camera may be wrong, too
+
+  [[nodiscard]] bool finite() const {
+    return axis_m.allFinite() && std::isfinite(horizontal_m) && std::isfinite(rotation_rad);
+  }
+  /// Nothing is bounded.
+  [[nodiscard]] static Protection none(bool of_cameras) {
+    constexpr double kAny = std::numeric_limits<double>::infinity();
+    return {Eigen::Vector3d::Constant(kAny), kAny, kAny, of_cameras};
+  }
+};
+
 /// The result of one frame set: all that a pose message says. One is made at start and filled again
 /// and again, without allocation.
 struct PoseEstimate {
@@ -97,6 +117,7 @@ struct PoseEstimate {
   ReasonBits reasons = 0;
   Rigid3 world_from_rig;  ///< NaN when lost
   Matrix6d covariance;    ///< Rigid3's tangent: m, rad, world axes; NaN when lost
+  Protection protection;  ///< NaN when lost
   Vector6d velocity;      ///< m/s, rad/s, world axes; NaN when not known
 
   int resets = 0;  ///< how often the rig was found anew since the start: a step there is no motion

@@ -29,6 +29,8 @@ Status GateOptions::check() const {
   return RangeCheck()
       .field("max_3sigma_m", max_3sigma_m, kMax3Sigma_m)
       .field("max_3sigma_rad", max_3sigma_rad, radians(kMax3Sigma_deg))
+      .field("max_protection_m", max_protection_m, kMaxProtection_m)
+      .field("max_protection_rad", max_protection_rad, radians(kMaxProtection_deg))
       .field("v_max_mps", v_max_mps, kVMax_mps)
       .field("w_max_radps", w_max_radps, radians(kWMax_degps))
       .field("vouching_factor", vouching_factor, kVouchingFactor)
@@ -78,6 +80,13 @@ ReasonBits PoseGate::judge(Stamp stamp, const PoseSolution& solution,
     reasons |= bit(PoseReason::jump);
   }
   return reasons;
+}
+
+ReasonBits PoseGate::judge(const Protection& protection) const {
+  const auto within = [](double level, double limit) { return limit == 0 || level <= limit; };
+  const bool fine = within(protection.horizontal_m, options_.max_protection_m) &&
+                    within(protection.rotation_rad, options_.max_protection_rad);
+  return fine ? 0 : bit(PoseReason::protection);
 }
 
 bool PoseGate::reachable(const Place& from, const Place& to) const {

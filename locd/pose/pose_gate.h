@@ -13,6 +13,8 @@ namespace waymark {
 struct GateOptions {
   double max_3sigma_m = 0.020;      ///< along the worst direction
   double max_3sigma_rad = 0.00873;  ///< 0.5°, about the worst axis
+  double max_protection_m = 0;      ///< horizontal protection level; 0: not asked for
+  double max_protection_rad = 0;    ///< that of the rotation; 0: not asked for
   double v_max_mps = 3.0;           ///< the vehicle is never faster
   double w_max_radps = 2.1;         ///< 120°/s: it never turns faster
   /// A prior that is surer than so many times the limits may vouch for a single marker.
@@ -23,6 +25,8 @@ struct GateOptions {
 
   static constexpr Range kMax3Sigma_m{0.001, 1};
   static constexpr Range kMax3Sigma_deg{0.01, 10};
+  static constexpr Range kMaxProtection_m{0, 100};
+  static constexpr Range kMaxProtection_deg{0, 180};
   static constexpr Range kVMax_mps{0.1, 100};
   static constexpr Range kWMax_degps{1, 10'000};
   static constexpr Range kVouchingFactor{1, 10};
@@ -50,6 +54,9 @@ class PoseGate {
   /// Reasons against the solution, 0 for none; of few_markers, sigma, ambiguous, jump, outliers.
   [[nodiscard]] ReasonBits judge(Stamp stamp, const PoseSolution& solution,
                                  const std::optional<MotionPrediction>& prior);
+
+  /// protection, where levels are beyond the limits; 0 where they are not or nobody asked.
+  [[nodiscard]] ReasonBits judge(const Protection& protection) const;
 
   /// A gap: any place may be next.
   void forget() {

@@ -81,7 +81,7 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
     believed = {believed.velocity + step.velocity, step.velocity_covariance};
     whitening_.move_to_set_instant(observations, pose, believed.velocity);
   }
-  if (!consider(observations, velocity, known, pose)) return std::nullopt;
+  if (!refine(observations, velocity, known, pose)) return std::nullopt;
   solution.world_from_rig = pose;
   solution.velocity = velocity.velocity + consider_.velocity_step();
   solution.velocity_covariance = consider_.velocity_covariance();
@@ -153,8 +153,8 @@ ConsideredObservation RobustPose::linearize(const SetObservation& observation, c
   return considered;
 }
 
-bool RobustPose::consider(std::span<SetObservation> observations, const VelocityPrior& velocity,
-                          const KnownErrors& known, Rigid3& pose) {
+bool RobustPose::refine(std::span<SetObservation> observations, const VelocityPrior& velocity,
+                        const KnownErrors& known, Rigid3& pose) {
   constexpr int kRounds = 4;
   constexpr double kLinear_m = 0.003;
   constexpr double kLinear_rad = 0.001;

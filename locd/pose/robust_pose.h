@@ -76,6 +76,9 @@ class RobustPose {
   /// The last solve's observations at its pose, in their order.
   [[nodiscard]] std::span<const ConsideredObservation> considered() const { return considered_; }
 
+  /// Their least squares, to be asked for the pose without some of them.
+  [[nodiscard]] ConsiderPose& consider() { return consider_; }
+
   [[nodiscard]] const RigPoseSolver& solver() const { return solver_; }
 
  private:
@@ -97,8 +100,8 @@ class RobustPose {
                                                 const Rigid3& pose, const Vector6d& velocity,
                                                 const KnownErrors& known) const;
   /// From a pose nearby to the optimum with consider parameters; says anew who is an inlier.
-  [[nodiscard]] bool consider(std::span<SetObservation> observations, const VelocityPrior& velocity,
-                              const KnownErrors& known, Rigid3& pose);
+  [[nodiscard]] bool refine(std::span<SetObservation> observations, const VelocityPrior& velocity,
+                            const KnownErrors& known, Rigid3& pose);
   /// Whether three outliers or more, not many fewer than inliers, agree on another pose.
   [[nodiscard]] bool rivals_agree(std::span<SetObservation> observations,
                                   const PoseSolution& solution);

@@ -38,6 +38,7 @@ static_assert(pose_t::CAMERA_SUSPECT == bit(PoseReason::camera_suspect));
 static_assert(pose_t::OVERLOAD == bit(PoseReason::overload));
 static_assert(pose_t::MISFIT == bit(PoseReason::misfit));
 static_assert(pose_t::WRONG_MAP == bit(PoseReason::wrong_map));
+static_assert(pose_t::PROTECTION == bit(PoseReason::protection));
 
 double microseconds(Stamp interval) { return static_cast<double>(interval.count()) * 1e-3; }
 
@@ -58,6 +59,13 @@ void fill_world_from_base(const PoseEstimate& estimate, const SessionFacts& sess
   message.sigma_m = sigmas.position_m;
   message.sigma_deg = kDegreesPerRadian * sigmas.rotation_rad;
   message.yaw_deg = session.world_z_is_up ? yaw_deg(world_from_base) : kNaN;
+}
+
+void fill_protection(const Protection& protection, pose_t& message) {
+  Eigen::Map<Eigen::Vector3d>(message.protection_m) = protection.axis_m;
+  message.protection_horizontal_m = protection.horizontal_m;
+  message.protection_deg = kDegreesPerRadian * protection.rotation_rad;
+  message.protection_of_cameras = static_cast<std::int8_t>(protection.of_cameras);
 }
 
 void fill_nothing_known(pose_t& message) {
@@ -87,6 +95,7 @@ pose_t make_pose_message(const SessionFacts& session) {
   message.camera_offset_us.assign(session.cameras, kNaN);
   message.status_text.reserve(kMostStatusText);
   fill_nothing_known(message);
+  fill_protection({Eigen::Vector3d::Constant(kNaN), kNaN, kNaN, false}, message);
   return message;
 }
 
@@ -124,6 +133,7 @@ void fill_pose(const PoseEstimate& estimate, const SessionFacts& session, const 
   } else {
     fill_nothing_known(message);
   }
+  fill_protection(estimate.protection, message);
   message.x_m = message.position[0];
   message.y_m = message.position[1];
   message.z_m = message.position[2];

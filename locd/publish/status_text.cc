@@ -34,7 +34,8 @@ constexpr std::array<const char*, kPoseReasons> kWords = {"no frames",
                                                           "a camera is in doubt",
                                                           "too slow for all frame sets",
                                                           "what is seen contradicts itself",
-                                                          "markers are not where the map says"};
+                                                          "markers are not where the map says",
+                                                          ""};
 
 void append_missing(const PoseEstimate& estimate, Text& text) {
   const char* between = "";
@@ -56,6 +57,11 @@ void append_words(const PoseEstimate& estimate, PoseReason reason, Text& text) {
                      kDegreesPerRadian * sigmas.rotation_rad);
       break;
     }
+    case PoseReason::protection:
+      fmt::format_to(out, "protected to {:.0f} mm and {:.2f} deg only",
+                     1e3 * estimate.protection.horizontal_m,
+                     kDegreesPerRadian * estimate.protection.rotation_rad);
+      break;
     case PoseReason::camera_missing:
       append_missing(estimate, text);
       break;

@@ -184,6 +184,10 @@ class ConfigReader {
       solve.ok_sigma_m = number(f, "ok_sigma_m", GateOptions::kMax3Sigma_m, solve.ok_sigma_m);
       solve.ok_sigma_deg =
           number(f, "ok_sigma_deg", GateOptions::kMax3Sigma_deg, solve.ok_sigma_deg);
+      solve.ok_protection_m =
+          number(f, "ok_protection_m", GateOptions::kMaxProtection_m, solve.ok_protection_m);
+      solve.ok_protection_deg =
+          number(f, "ok_protection_deg", GateOptions::kMaxProtection_deg, solve.ok_protection_deg);
       solve.v_max_mps = number(f, "v_max_mps", GateOptions::kVMax_mps, solve.v_max_mps);
       solve.w_max_dps = number(f, "w_max_dps", GateOptions::kWMax_degps, solve.w_max_dps);
       solve.prior_max_age_s =

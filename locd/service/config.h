@@ -56,6 +56,8 @@ struct Config {
     double time_budget_ms = 200;   ///< ms, from exposure; a later set is dropped
     double ok_sigma_m = 0.02;      ///< m, OK needs 3 sigma of every axis within
     double ok_sigma_deg = 0.5;     ///< deg, the same for rotation
+    double ok_protection_m = 0;    ///< m, OK needs the horizontal level within; 0: not asked for
+    double ok_protection_deg = 0;  ///< deg, the same for rotation
     double v_max_mps = 3;          ///< m/s, faster is a JUMP
     double w_max_dps = 120;        ///< deg/s
     double prior_max_age_s = 0.5;  ///< s, an older pose predicts nothing

@@ -26,9 +26,9 @@ namespace waymark {
 namespace {
 
 /// Reasons that say nothing against the pose being right within its covariance.
-constexpr ReasonBits kHarmless = bit(PoseReason::sigma) | bit(PoseReason::camera_missing) |
-                                 bit(PoseReason::no_velocity) | bit(PoseReason::skew) |
-                                 bit(PoseReason::unsynced);
+constexpr ReasonBits kHarmless = bit(PoseReason::sigma) | bit(PoseReason::protection) |
+                                 bit(PoseReason::camera_missing) | bit(PoseReason::no_velocity) |
+                                 bit(PoseReason::skew) | bit(PoseReason::unsynced);
 
 /// What becomes of the poses.
 class ReplayOutput {

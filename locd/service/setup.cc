@@ -214,6 +214,9 @@ LocalizerOptions localizer_options(const Setup& setup) {
   options.prior_max_age_s = config.solve.prior_max_age_s;
   options.gate.max_3sigma_m = config.solve.ok_sigma_m;
   options.gate.max_3sigma_rad = config.solve.ok_sigma_deg * kRadiansPerDegree;
+  options.gate.max_protection_m = config.solve.ok_protection_m;
+  options.gate.max_protection_rad = config.solve.ok_protection_deg * kRadiansPerDegree;
+  options.protected_point_in_rig = config.rig.base_from_rig.inverse().translation;
   options.gate.v_max_mps = config.solve.v_max_mps;
   options.gate.w_max_radps = config.solve.w_max_dps * kRadiansPerDegree;
   const bool realtime = config.service.realtime;

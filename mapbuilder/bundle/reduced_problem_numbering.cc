@@ -56,7 +56,7 @@ void ReducedProblem::number_calibration(std::span<const ObservationIndex> observ
   for (const Rig& rig : calibration.rigs) {
     for (const RigCamera& camera : rig.cameras) start_.cameras.push_back(camera);
   }
-  if (scope_.variable.intrinsics) {
+  if (scope_.variable.intrinsics && scope_.variable.straight_lenses_bend) {
     for (RigCamera& camera : start_.cameras) camera.model = with_lens(camera.model);
   }
   start_.edge_bias_px.assign(start_.cameras.size(), 0.0);

@@ -96,12 +96,17 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
   // All are opened before the first is searched: what is wrong shows before the long work.
   std::vector<CaptureFolder> folders;
   for (const auto& path : input.paths) {
-    auto folder = open_capture(path);
+    auto folder = open_capture(path, input.rig_file);
     if (!folder) return tl::make_unexpected(folder.error());
     print_notes(folder->notes, notes);
     if (folder->survey_toml && input.survey_not_asked) {
       print_line(notes, "note: {0}: used only when asked for: --survey {0}",
                  folder->survey_toml->string());
+    }
+    if (input.known_rig) {
+      const auto count = static_cast<std::ptrdiff_t>(folder->rig.cameras.size());
+      folder->rig = *input.known_rig;
+      folder->rig.cameras.erase(folder->rig.cameras.begin() + count, folder->rig.cameras.end());
     }
     folders.push_back(std::move(*folder));
   }
@@ -118,7 +123,7 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
     }
     taken.captures.push_back(std::move(*detected));
   }
-  tell_default_sigmas(taken.captures, notes);
+  if (input.rig_file == RigFile::required) tell_default_sigmas(taken.captures, notes);
   return taken;
 }
 

@@ -7,6 +7,8 @@
 
 #include "core/base/error.h"
 #include "core/base/progress.h"
+#include "core/camera/rig.h"
+#include "core/capture/capture_folder.h"
 #include "mapbuilder/diagnosis/finding.h"
 #include "mapbuilder/observations/detect_capture.h"
 #include "mapbuilder/observations/detect_videos.h"
@@ -23,6 +25,10 @@ struct CaptureInput {
   DetectCaptureOptions detect;
   /// The command could use a survey and was given none: a capture's own is said not to be used.
   bool survey_not_asked = false;
+  /// Whether captures must have a rig file; videos must.
+  RigFile rig_file = RigFile::required;
+  /// Numbers in place of those that captures have, of the same cameras, the first of them alike.
+  std::optional<Rig> known_rig;
 };
 
 /// Captures with what was found wrong with them.

@@ -39,12 +39,6 @@ void add_finding(Finding finding, std::vector<Finding>& findings) {
   findings.push_back(std::move(finding));
 }
 
-/// Something is left that each image on its own does not fit either.
-bool is_poor(const FitQuality& mono) {
-  constexpr double kWorse = 1.4;  // than corners are worth
-  return mono.joint_px > kWorse * mono.own_px || mono.joint_px > kPoorFit_px;
-}
-
 class CaptureExplainer {
  public:
   CaptureExplainer(const std::vector<DetectedCapture>& captures, const LensesBySquares& lenses,

@@ -27,20 +27,6 @@ double sum_of_squares(const std::array<Eigen::Vector2d, 4>& residuals) {
   return sum;
 }
 
-/// Squared residual (px²) by the estimate's poses; infinite where it has none.
-double joint_residual(const Observations& observations, const Estimate& estimate,
-                      const Observation& o) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  if (!estimate.posed(o)) return kFar;
-  MarkerObservation observation;
-  observation.size_m = estimate.calibration.sizes_m[o.marker];
-  observation.corners_px = corrected_corners(o, estimate.calibration);
-  const auto residuals =
-      corner_residuals(observation, estimate.calibration.camera(observations, o).model,
-                       cam_from_marker(observations, estimate, o));
-  return residuals ? sum_of_squares(*residuals) : kFar;
-}
-
 /// Squared residuals (px²) of the observations by camera and marker.
 using JointResiduals = std::map<CameraIndex, std::map<MarkerIndex, std::vector<double>>>;
 
@@ -57,6 +43,24 @@ double worst_of(JointResiduals joint) {
 }
 
 }  // namespace
+
+double joint_residual_px2(const Observations& observations, const Estimate& estimate,
+                          const Observation& o) {
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  if (!estimate.posed(o)) return kFar;
+  MarkerObservation observation;
+  observation.size_m = estimate.calibration.sizes_m[o.marker];
+  observation.corners_px = corrected_corners(o, estimate.calibration);
+  const auto residuals =
+      corner_residuals(observation, estimate.calibration.camera(observations, o).model,
+                       cam_from_marker(observations, estimate, o));
+  return residuals ? sum_of_squares(*residuals) : kFar;
+}
+
+bool is_poor(const FitQuality& mono) {
+  constexpr double kWorse = 1.4;  // than corners are worth
+  return mono.joint_px > kWorse * mono.own_px || mono.joint_px > kPoorFit_px;
+}
 
 FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
                        std::optional<RigIndex> only) {
@@ -78,7 +82,7 @@ FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
   JointResiduals by_camera;
   for (const ObservationIndex index : judged) {
     const Observation& o = selection[index];
-    all.push_back(joint_residual(observations, estimate, o));
+    all.push_back(joint_residual_px2(observations, estimate, o));
     by_camera[o.camera][o.marker].push_back(all.back());
   }
   FitQuality quality{sigma_of(std::move(own), kMedianOfChi2_2),

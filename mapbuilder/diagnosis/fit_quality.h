@@ -28,6 +28,13 @@ struct FitQuality {
 /// far from the stated one spoils markers' own poses, too.
 inline constexpr double kPoorFit_px = 0.4;
 
+/// Of images each on its own: something is left that these do not fit either.
+[[nodiscard]] bool is_poor(const FitQuality& mono);
+
+/// Squared residual (px², of eight numbers) by the estimate's poses; infinite where it has none.
+[[nodiscard]] double joint_residual_px2(const Observations& observations, const Estimate& estimate,
+                                        const Observation& o);
+
 /// With the estimate's lenses and sizes; `only`: of one rig's observations.
 [[nodiscard]] FitQuality fit_quality(const Selection& selection, const Estimate& estimate,
                                      std::optional<RigIndex> only = {});

@@ -92,9 +92,10 @@ std::optional<MonoBuild> build_mono(const std::vector<DetectedCapture>& captures
   BuildOptions mono = options;
   mono.refine = {};
   mono.survey = {};
-  if (lenses == MonoLenses::refined) {
+  if (lenses != MonoLenses::kept) {
     // What is looked for is which numbers are wrong, not a calibration to drive by.
     mono.refine.intrinsics = true;
+    mono.refine.straight_lenses_bend = lenses == MonoLenses::refined;
     mono.refinement_limits.focal = 0.01;
     mono.refinement_limits.rotation_rad = 0.0087;  // 0.5°
   }

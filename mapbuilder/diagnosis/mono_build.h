@@ -17,8 +17,9 @@ struct MonoBuild {
   [[nodiscard]] std::optional<RigIndex> rig_of(std::size_t capture, std::size_t camera) const;
 };
 
-/// Whether a mono build keeps the lenses that captures state, or refines them to convergence.
-enum class MonoLenses : char { kept, refined };
+/// Whether a mono build keeps the lenses that captures state, or refines them to convergence; of
+/// lenses stated straight, whether they may bend.
+enum class MonoLenses : char { kept, refined, refined_unbent };
 
 /// nullopt where the captures make no observations, or no map.
 [[nodiscard]] std::optional<MonoBuild> build_mono(const std::vector<DetectedCapture>& captures,

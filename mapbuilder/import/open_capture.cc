@@ -4,8 +4,9 @@
 
 namespace waymark {
 
-Expected<CaptureFolder> open_capture(const std::filesystem::path& path) {
-  return is_paper_layout(path) ? open_paper_layout(path) : open_capture_folder(path);
+Expected<CaptureFolder> open_capture(const std::filesystem::path& path, RigFile rig_file) {
+  return is_paper_layout(path) ? open_paper_layout(path, rig_file)
+                               : open_capture_folder(path, rig_file);
 }
 
 }  // namespace waymark

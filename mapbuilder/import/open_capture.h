@@ -9,6 +9,7 @@ namespace waymark {
 
 /// Opens a capture in whichever layout it has: Waymark's capture folder or the paper's. Errors:
 /// those of open_capture_folder and open_paper_layout; no_input for a path that is neither.
-[[nodiscard]] Expected<CaptureFolder> open_capture(const std::filesystem::path& path);
+[[nodiscard]] Expected<CaptureFolder> open_capture(const std::filesystem::path& path,
+                                                   RigFile rig_file = RigFile::required);
 
 }  // namespace waymark

@@ -11,6 +11,7 @@
 #include "core/camera/image_sizes.h"
 #include "core/camera/kalibr.h"
 #include "core/capture/image_file.h"
+#include "core/capture/rig_of_frames.h"
 #include "mapbuilder/import/calib_json.h"
 
 namespace waymark {
@@ -111,12 +112,14 @@ class SfmToml {
 /// Reads one data set; each step fills a part of the result.
 class LayoutReader {
  public:
-  explicit LayoutReader(const fs::path& path) { capture_.path = path; }
+  LayoutReader(const fs::path& path, RigFile rig_file) : rig_file_(rig_file) {
+    capture_.path = path;
+  }
 
   Expected<CaptureFolder> read() {
     for (const auto step :
          {&LayoutReader::read_catalog, &LayoutReader::find_tables, &LayoutReader::read_rig_yaml,
-          &LayoutReader::find_images, &LayoutReader::read_calibration}) {
+          &LayoutReader::guess_rig, &LayoutReader::find_images, &LayoutReader::read_calibration}) {
       if (auto status = (this->*step)(); !status) return tl::make_unexpected(status.error());
     }
     return std::move(capture_);
@@ -146,6 +149,18 @@ class LayoutReader {
     if (!loaded) return tl::make_unexpected(loaded.error());
     capture_.rig = std::move(loaded->rig);
     capture_.notes = std::move(loaded->notes);
+    return {};
+  }
+
+  Status guess_rig() {
+    if (rig_file_ == RigFile::required || !capture_.rig.cameras.empty() ||
+        is_there(capture_.path / "calib.json")) {
+      return {};
+    }
+    auto rig = rig_of_frames({capture_.path / "images", capture_.detections_csv, false},
+                             capture_.catalog, capture_.notes);
+    if (!rig) return tl::make_unexpected(rig.error());
+    capture_.rig = *std::move(rig);
     return {};
   }
 
@@ -218,6 +233,7 @@ class LayoutReader {
     return std::nullopt;
   }
 
+  RigFile rig_file_;
   CaptureFolder capture_;
 };
 
@@ -227,8 +243,8 @@ bool is_paper_layout(const fs::path& path) {
   return is_there(path / "sfm.toml") && !is_there(path / "markers.toml");
 }
 
-Expected<CaptureFolder> open_paper_layout(const fs::path& path) {
-  return LayoutReader(path).read();
+Expected<CaptureFolder> open_paper_layout(const fs::path& path, RigFile rig_file) {
+  return LayoutReader(path, rig_file).read();
 }
 
 }  // namespace waymark

@@ -16,7 +16,9 @@ namespace waymark {
 ///                board_size = [[0.3, 0.25], [["default"], ["100-199", 205]]] (m), or one number
 ///   rig.yaml     or else calib.json (one camera; without a stated size, the first image's counts)
 /// detections.csv and survey.toml are found as in a capture folder. Errors: no_input (no images;
-/// neither rig.yaml nor calib.json), bad_data (what can't be understood), permission, io.
-[[nodiscard]] Expected<CaptureFolder> open_paper_layout(const std::filesystem::path& path);
+/// neither rig.yaml nor calib.json where one is required), bad_data (what can't be understood),
+/// permission, io.
+[[nodiscard]] Expected<CaptureFolder> open_paper_layout(const std::filesystem::path& path,
+                                                        RigFile rig_file = RigFile::required);
 
 }  // namespace waymark

@@ -30,8 +30,9 @@ MAY_INCLUDE = {
     "mapbuilder/evaluate": ["mapbuilder/build"],
     "mapbuilder/report": ["mapbuilder/diagnosis", "mapbuilder/evaluate"],
     "mapbuilder/upkeep": ["mapbuilder/diagnosis"],
+    "mapbuilder/calibrate": ["mapbuilder/diagnosis"],
     "mapbuilder/print": ["core/camera", "core/marker"],
-    "mapbuilder/commands": ["mapbuilder/report", "mapbuilder/print", "mapbuilder/upkeep"],
+    "mapbuilder/commands": ["mapbuilder/report", "mapbuilder/print", "mapbuilder/upkeep", "mapbuilder/calibrate"],
     "simulator": ["core/capture"],
     "drivers": ["core/capture"],
     "locd": ["core/camera", "core/marker"],  # the words that all its rooms share

@@ -27,6 +27,10 @@ waymark::pose_t pose() {
   m.sigma_m = 0.012;
   m.sigma_deg = 0.31;
   m.resets = 7;
+  m.protection_horizontal_m = 0.085;
+  m.protection_deg = 1.25;
+  m.protection_of_cameras = 1;
+  std::iota(std::begin(m.protection_m), std::end(m.protection_m), 0.75);
   m.reasons = int{waymark::pose_t::SIGMA} + int{waymark::pose_t::CAMERA_SUSPECT};
   m.cameras = 3;
   m.cameras_used = 2;

@@ -165,6 +165,25 @@ TEST_F(Considered, AWidenedCameraHasNoSay) {
   EXPECT_GT(pose.covariance().trace(), before);
 }
 
+TEST_F(Considered, APoseWithoutSomeIsThatOfTheRest) {
+  const CalibrationPrior prior = usual_prior();
+  ConsiderPose pose(prior);
+  auto seen = see();
+  (void)err(prior, 1, seen);
+  for (const std::size_t left_out : {1U, 2U}) {
+    ASSERT_TRUE(pose.solve(seen, prior, Matrix6d::Identity()));
+    std::vector<const ConsideredObservation*> out;
+    for (std::size_t i = 0; i < left_out; ++i) out.push_back(&seen[3 + i]);
+    const auto rest = pose.without(out);
+    ASSERT_TRUE(rest.has_value());
+    auto others = seen;
+    for (std::size_t i = 0; i < left_out; ++i) others[3 + i].used = false;
+    ASSERT_TRUE(pose.solve(others, prior, Matrix6d::Identity()));
+    EXPECT_LT((rest->step - pose.step()).norm(), 1e-8) << left_out;
+    EXPECT_LT((rest->covariance - pose.covariance()).norm(), 1e-6 * pose.covariance().norm());
+  }
+}
+
 TEST_F(Considered, NothingIsNoPose) {
   const CalibrationPrior prior = usual_prior();
   ConsiderPose pose(prior);

@@ -107,8 +107,8 @@ TEST(PoseReason, EveryOneHasANameOfItsOwn) {
   }
   EXPECT_EQ(names.size(), kPoseReasons);
   EXPECT_EQ(name_of(PoseReason::overload), "OVERLOAD");
-  EXPECT_EQ(name_of(PoseReason::wrong_map), "WRONG_MAP");
-  EXPECT_EQ(bit(PoseReason::wrong_map), 1U << (kPoseReasons - 1)) << "it is the last";
+  EXPECT_EQ(name_of(PoseReason::protection), "PROTECTION");
+  EXPECT_EQ(bit(PoseReason::protection), 1U << (kPoseReasons - 1)) << "it is the last";
 }
 
 }  // namespace

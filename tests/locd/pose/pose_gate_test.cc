@@ -144,6 +144,7 @@ TEST(GateOptions, AreHeldToTheirRanges) {
   using Options = GateOptions;
   expect_ranges<Options>(
       {ranged("max_3sigma_m", &Options::max_3sigma_m, Options::kMax3Sigma_m),
+       ranged("max_protection_m", &Options::max_protection_m, Options::kMaxProtection_m),
        ranged("v_max_mps", &Options::v_max_mps, Options::kVMax_mps),
        ranged("vouching_factor", &Options::vouching_factor, Options::kVouchingFactor),
        ranged("sets_to_believe_jump", &Options::sets_to_believe_jump,

@@ -72,6 +72,8 @@ min_cameras = 2
 time_budget_ms = 90
 ok_sigma_m = 0.01
 ok_sigma_deg = 0.2
+ok_protection_m = 0.15
+ok_protection_deg = 3
 v_max_mps = 2
 w_max_dps = 60
 prior_max_age_s = 0.5
@@ -113,7 +115,7 @@ lock_memory = true
   EXPECT_EQ(config->cameras[0], left);
   EXPECT_EQ(config->cameras[1].driver, CameraDriver::libcamera);
   EXPECT_EQ(config->sync, (Config::Sync{false, 20000, 40, 2}));
-  EXPECT_EQ(config->solve, (Config::Solve{90, 0.01, 0.2, 2, 60, 0.5}));
+  EXPECT_EQ(config->solve, (Config::Solve{90, 0.01, 0.2, 0.15, 3, 2, 60, 0.5}));
   EXPECT_EQ(config->lcm, (LcmOptions{"udpm://239.1.2.3:7777?ttl=1", "CART7", true, ""}));
   EXPECT_EQ(config->record, (Config::Record{"/data", true, 3, 5'000'000'000, 3600, 2'000'000'000,
                                             "/maps/markers.toml"}));
@@ -304,6 +306,8 @@ INSTANTIATE_TEST_SUITE_P(
                     RangedKey{"solve", "time_budget_ms", Config::Solve::kTimeBudget_ms},
                     RangedKey{"solve", "ok_sigma_m", GateOptions::kMax3Sigma_m},
                     RangedKey{"solve", "ok_sigma_deg", GateOptions::kMax3Sigma_deg},
+                    RangedKey{"solve", "ok_protection_m", GateOptions::kMaxProtection_m},
+                    RangedKey{"solve", "ok_protection_deg", GateOptions::kMaxProtection_deg},
                     RangedKey{"solve", "v_max_mps", GateOptions::kVMax_mps},
                     RangedKey{"solve", "w_max_dps", GateOptions::kWMax_degps},
                     RangedKey{"solve", "prior_max_age_s", LocalizerOptions::kPriorMaxAge_s},
