@@ -4,12 +4,14 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <memory>
 
 #include "core/base/standard_output.h"
 #include "core/base/usage_text.h"
 #include "locd/service/camera_list.h"
 #include "locd/service/daemon_command.h"
 #include "locd/service/replay_command.h"
+#include "manual/plain_help.h"
 
 namespace waymark {
 namespace {
@@ -47,6 +49,7 @@ int report(const Status& status) {
 
 int run(int argc, char** argv) {
   CLI::App app{"locd: tells a vehicle where it is, by the markers its cameras see"};
+  app.formatter(std::make_shared<PlainHelp>());
   app.failure_message(
       [](const CLI::App*, const CLI::Error& error) { return usage_text(error.what()); });
   app.set_version_flag("--version", WAYMARK_VERSION);

@@ -13,6 +13,7 @@
 #include "core/base/range.h"
 #include "core/base/standard_output.h"
 #include "core/base/usage_text.h"
+#include "manual/plain_help.h"
 #include "mapbuilder/commands/build_command.h"
 #include "mapbuilder/commands/calibrate_command.h"
 #include "mapbuilder/commands/detect_command.h"
@@ -332,6 +333,7 @@ Command add_evaluate(CLI::App& app) {
 
 int run(int argc, char** argv) {
   CLI::App app("Turns recorded captures of a building into a marker map.", "mapbuilder");
+  app.formatter(std::make_shared<PlainHelp>());
   app.failure_message(
       [](const CLI::App*, const CLI::Error& error) { return usage_text(error.what()); });
   app.set_version_flag("--version", WAYMARK_VERSION);

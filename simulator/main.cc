@@ -2,10 +2,12 @@
 #include <atomic>
 #include <csignal>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "core/base/standard_output.h"
 #include "core/base/usage_text.h"
+#include "manual/plain_help.h"
 #include "simulator/commands.h"
 
 namespace {
@@ -24,6 +26,7 @@ int main(int argc, char** argv) {
   std::signal(SIGTERM, note_interrupt);
 
   CLI::App app{"Makes captures of buildings with markers, with the truth beside them."};
+  app.formatter(std::make_shared<waymark::PlainHelp>());
   app.failure_message(
       [](const CLI::App*, const CLI::Error& error) { return waymark::usage_text(error.what()); });
   app.require_subcommand(1);

@@ -16,11 +16,23 @@ constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
 /// Beyond any marker's way within a building.
 constexpr double kMaxOffset_m = 1e6;
 
+std::string_view name_of(QuarantineState state) {
+  switch (state) {
+    case QuarantineState::moved:
+      return "MOVED";
+    case QuarantineState::unknown:
+      return "UNKNOWN";
+    case QuarantineState::ignored:
+      return "IGNORED";
+  }
+  return "";
+}
+
 QuarantinedMarker read_marker(JsonFields& fields) {
   QuarantinedMarker marker;
   marker.marker = read_marker_id(fields);
-  marker.state = fields.choice("state", {"MOVED", "UNKNOWN"}) == 0 ? QuarantineState::moved
-                                                                   : QuarantineState::unknown;
+  marker.state =
+      static_cast<QuarantineState>(fields.choice("state", {"MOVED", "UNKNOWN", "IGNORED"}));
   marker.since_utime = fields.integer("since_utime", 0, std::numeric_limits<std::int64_t>::max());
   marker.offset_m = fields.number("offset_m", 0, kMaxOffset_m);
   return marker;
@@ -95,7 +107,7 @@ Status write_quarantine(const std::filesystem::path& path, const Quarantine& qua
     nlohmann::ordered_json entry;
     entry["id"] = json_of(marker.marker, several);
     entry["family"] = name_of(marker.marker.family);
-    entry["state"] = marker.state == QuarantineState::moved ? "MOVED" : "UNKNOWN";
+    entry["state"] = name_of(marker.state);
     entry["since_utime"] = marker.since_utime;
     entry["offset_m"] = marker.offset_m;
     json["markers"].push_back(entry);

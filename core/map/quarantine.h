@@ -17,18 +17,20 @@ namespace waymark {
 enum class QuarantineState : std::int8_t {
   moved = 0,    ///< MOVED: of the map, hangs elsewhere
   unknown = 1,  ///< UNKNOWN: hangs there, the map lacks it
+  ignored = 2,  ///< IGNORED: somebody has told locd to leave it out, in whatever map
 };
 
-/// A marker that is not what the map says.
+/// A marker that is not what the map says, or is ignored.
 struct QuarantinedMarker {
   MarkerId marker;
   QuarantineState state = QuarantineState::moved;
   std::int64_t since_utime = 0;  ///< µs since the epoch when it was found; 0: the clock was not set
-  double offset_m = 0;           ///< from where the map says; 0 of unknown ones
+  double offset_m = 0;           ///< from where the map says; 0 of others than moved ones
 };
 
-/// quarantine.json: {"map_hash": "…", "markers": [{"id", "family", "state": "MOVED" | "UNKNOWN",
-/// "since_utime", "offset_m"}]}, by rising id. Belongs to the map of that hash alone.
+/// quarantine.json: {"map_hash": "…", "markers": [{"id", "family", "state": "MOVED" | "UNKNOWN" |
+/// "IGNORED", "since_utime", "offset_m"}]}, by rising id. Belongs to the map of that hash alone,
+/// its ignored markers apart.
 struct Quarantine {
   std::string map_hash;
   std::vector<QuarantinedMarker> markers;

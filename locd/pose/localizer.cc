@@ -50,6 +50,7 @@ struct Localizer::Implementation {
         riding_watch(map, robust.solver()),
         skew_watch({options.triggered, options.negligible_skew}) {
     alerts.reserve(kMaxObservations);
+    released.reserve(kMostOrders);
     WAYMARK_CHECK(rig.cameras.size() >= 1 && rig.cameras.size() <= kMaxCameras);
     WAYMARK_CHECK(rig.cameras.size() == 1 || rig.has_extrinsics);
     WAYMARK_CHECK(options.check().has_value());
@@ -64,6 +65,7 @@ struct Localizer::Implementation {
                                              const PoseEstimate& estimate) const;
   [[nodiscard]] bool some_camera_disagrees();
   void look_for_riding(Stamp stamp, std::span<const SetObservation> all);
+  void release_markers(Stamp stamp);
   void watch(const PoseSolution& solution, PoseEstimate& estimate);
 
   Rig rig;
@@ -81,12 +83,14 @@ struct Localizer::Implementation {
   RidingWatch riding_watch;
   SkewWatch skew_watch;
   std::vector<Alert> alerts;
+  std::vector<MarkerId> released;  ///< with the next set
 };
 
 void Localizer::Implementation::localize(const FrameSetLease& set, PoseEstimate& estimate) {
   alerts.clear();
   estimate.reset(PoseReason::no_markers, set);
   const Stamp started = monotonic_now();
+  release_markers(estimate.stamp);
   skew_watch.look(estimate.stamp, estimate.max_skew, alerts);
   observer.look(set, motion.predict(estimate.stamp), estimate, alerts);
   const Stamp detected = monotonic_now();
@@ -130,6 +134,13 @@ void Localizer::Implementation::look_for_riding(Stamp stamp, std::span<const Set
     map_watch.quarantine_riding(stamp, map_index, alerts);
     error_model.forget_evidence();
   }
+}
+
+void Localizer::Implementation::release_markers(Stamp stamp) {
+  for (const MarkerId& marker : released) {
+    if (map_watch.release(stamp, marker, alerts)) error_model.forget_evidence();
+  }
+  released.clear();
 }
 
 void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate& estimate) {
@@ -277,6 +288,15 @@ std::size_t Localizer::most_quarantined() const {
 
 void Localizer::restore_quarantine(std::span<const QuarantinedMarker> markers) {
   implementation_->map_watch.restore(markers);
+}
+
+void Localizer::ignore(std::span<const MarkerId> markers) {
+  implementation_->observer.ignore(markers.first(std::min(markers.size(), kMostOrders)));
+}
+
+void Localizer::release(const MarkerId& marker) {
+  std::vector<MarkerId>& released = implementation_->released;
+  if (released.size() < kMostOrders) released.push_back(marker);
 }
 
 CameraMask Localizer::left_out(DropReason why) const {

@@ -52,6 +52,15 @@ class Localizer {
   /// Takes over what a former run knew; ids that the map lacks are passed over.
   void restore_quarantine(std::span<const QuarantinedMarker> markers);
 
+  /// Ignored and released markers at most; of more the last are left as they are.
+  static constexpr std::size_t kMostOrders = 256;
+  /// Has these markers (in rising order), and no others, take no part in anything from the next set
+  /// on. No allocation.
+  void ignore(std::span<const MarkerId> markers);
+  /// Has the marker's quarantine end with the next set, whatever it was found to be; it may be
+  /// found again. No allocation.
+  void release(const MarkerId& marker);
+
   /// Cameras whose images can't be used now: frozen, stale, dark, saturated, obscured.
   [[nodiscard]] CameraMask unhealthy_cameras() const;
   /// Cameras whose frame in the last set was left out, and why: unhealthy (or given before) or

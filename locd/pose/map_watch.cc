@@ -187,6 +187,21 @@ void MapWatch::release(Stamp stamp, std::size_t map_index, std::vector<Alert>& a
   alerts.push_back(alert);
 }
 
+bool MapWatch::release(Stamp stamp, const MarkerId& marker, std::vector<Alert>& alerts) {
+  if (const auto map_index = map_.find(marker)) {
+    const bool quarantined = map_.quarantined(*map_index);
+    if (quarantined) release(stamp, *map_index, alerts);
+    return quarantined;
+  }
+  const auto named = std::find_if(unknown_.begin(), unknown_.end(), [&](const Unknown& unknown) {
+    return unknown.marker == marker && unknown.named;
+  });
+  if (named == unknown_.end()) return false;
+  *named = {marker, 0, false, {}};
+  tell_unknown(stamp, marker, false, alerts);
+  return true;
+}
+
 void MapWatch::look_at_fit(Stamp stamp, int fitting, int others, std::vector<Alert>& alerts) {
   constexpr int kFewest = 4;
   constexpr double kMemory = 1.0 / 30;

@@ -64,6 +64,10 @@ class MapWatch {
   /// It is there again.
   void release(Stamp stamp, std::size_t map_index, std::vector<Alert>& alerts);
 
+  /// The same of a marker of the map, or one that it lacks and that was named; false: it is neither
+  /// quarantined nor named.
+  bool release(Stamp stamp, const MarkerId& marker, std::vector<Alert>& alerts);
+
   /// A detection that the map lacks, in a set with a pose.
   void note_unknown(Stamp stamp, const MarkerId& marker, std::vector<Alert>& alerts);
 

@@ -67,6 +67,7 @@ enum class ObservationVerdict : std::int8_t {
   unknown = 3,      ///< its marker is not in the map
   repeated = 4,     ///< its id was found twice in one image: not used
   unused = 5,       ///< there is no pose to hold it against
+  ignored = 6,      ///< somebody has told locd to leave its marker out
 };
 
 /// One detection and its residual, for the detections channel.

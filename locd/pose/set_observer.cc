@@ -18,6 +18,7 @@ SetObserver::SetObserver(const Rig& rig, const MapIndex& map, const LocalizerOpt
   used_.reserve(kMaxObservations);
   others_.reserve(kMaxObservations);
   all_.reserve(kMaxObservations);
+  ignored_.reserve(kMostIgnored);
 }
 
 void SetObserver::look(const FrameSetLease& set, const std::optional<MotionPrediction>& predicted,
@@ -98,7 +99,9 @@ void SetObserver::observe(const Candidate& candidate, PoseEstimate& estimate) {
   seen.corners_px = detection.corners;
   const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
   const auto map_index = map_.find(detection.marker);
-  if (!map_index) {
+  if (std::binary_search(ignored_.begin(), ignored_.end(), detection.marker)) {
+    seen.verdict = ObservationVerdict::ignored;
+  } else if (!map_index) {
     seen.verdict = ObservationVerdict::unknown;
   } else if (std::count_if(of_camera.begin(), of_camera.end(), same_id) > 1) {
     seen.verdict = ObservationVerdict::repeated;

@@ -29,6 +29,12 @@ class SetObserver {
   /// `estimate`.
   void look(const FrameSetLease& set, const std::optional<MotionPrediction>& predicted,
             PoseEstimate& estimate, std::vector<Alert>& alerts);
+  /// These markers (by rising id, at most kMostIgnored), and no others, are told and nothing else
+  /// from the next set on. No allocation.
+  void ignore(std::span<const MarkerId> markers) {
+    ignored_.assign(markers.begin(), markers.end());
+  }
+  static constexpr std::size_t kMostIgnored = 256;
   /// Cameras of `suspects` take no part where the others show two markers.
   void leave_out(CameraMask suspects, PoseEstimate& estimate);
   /// The set's instant, and each corner's from there: the cameras' skew and their rows' read-out.
@@ -71,6 +77,7 @@ class SetObserver {
   CameraMask unhealthy_frames_ = 0;
   CameraMask usable_ = 0;
   std::vector<Candidate> candidates_;
+  std::vector<MarkerId> ignored_;
   std::vector<SetObservation> used_;
   std::vector<SetObservation> others_;
   std::vector<SetObservation> all_;

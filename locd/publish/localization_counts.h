@@ -19,9 +19,10 @@ struct LocalizationCounts {
   /// Time of the last loop iteration: a set done, or a wait without one. The watchdog is fed only
   /// while it advances.
   Stamp last_turn{0};
-  bool at_work = false;      ///< a set was taken and is not done
-  Stamp passed_over{0};      ///< when a set last went without a pose of its own
-  CameraMask unhealthy = 0;  ///< cameras whose images can't be used
+  bool at_work = false;                    ///< a set was taken and is not done
+  Stamp passed_over{0};                    ///< when a set last went without a pose of its own
+  CameraMask unhealthy = 0;                ///< cameras whose images can't be used
+  std::array<int, kMaxCameras> markers{};  ///< per camera, in its image of the last set
   /// Per camera: frames that came into a set and not into its pose, by reason.
   std::array<DropCounts, kMaxCameras> left_out{};
 };

@@ -34,6 +34,16 @@ std::vector<QuarantinedMarker> QuarantineFile::of_map(const std::string& map_has
   return std::move((*read)->markers);
 }
 
+Quarantine QuarantineFile::known() {
+  {
+    const std::lock_guard lock(mutex_);
+    if (newest_) return *newest_;
+  }
+  const std::lock_guard lock(disk_);
+  auto read = read_or_set_aside();
+  return read && *read ? *std::move(*read) : Quarantine{};
+}
+
 Expected<std::optional<Quarantine>> QuarantineFile::read_or_set_aside() {
   std::error_code unknown;
   if (fs::symlink_status(path_, unknown).type() == fs::file_type::not_found) return std::nullopt;

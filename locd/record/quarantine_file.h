@@ -29,6 +29,10 @@ class QuarantineFile {
   /// is damaged, unreadable or of a newer locd is renamed to quarantine.json.damaged.
   [[nodiscard]] std::vector<QuarantinedMarker> of_map(const std::string& map_hash);
 
+  /// All that it holds, of whatever map, what is not written yet included; empty: nothing. A file
+  /// that can't be used is renamed likewise.
+  [[nodiscard]] Quarantine known();
+
   /// Has it written, in place of what was not written yet.
   void write(Quarantine quarantine);
 

@@ -16,7 +16,7 @@ namespace {
 Expected<RecordingFolder> open_folder(const std::filesystem::path& folder,
                                       const RecordingFacts& facts, const RecordingBudget& budget) {
   if (!folder.empty()) return RecordingFolder::open(folder, facts, budget);
-  const auto created = new_recording_folder(facts.archive);
+  const auto created = new_recording_folder(facts.archive, facts.name);
   if (!created) return tl::make_unexpected(created.error());
   return RecordingFolder::open(*created, facts, budget);
 }
@@ -43,6 +43,7 @@ void Recorder::start(const std::filesystem::path& folder, const RecordingFacts& 
   WAYMARK_CHECK(state_.phase == Phase::idle);
   options_ = options;
   next_budget_.reset();
+  marks_.clear();
   stopping_ = false;
   offered_ = 0;
   state_ = {Phase::starting, {}, state_.begun, 0, 0, state_.drops, std::nullopt};
@@ -62,11 +63,26 @@ void Recorder::set_budget(const RecordingBudget& budget) {
   next_budget_ = budget;
 }
 
-void Recorder::adopt_news(RecordingFolder& folder) {
-  folder.set_date_known(date_known_);
+bool Recorder::mark(Stamp stamp, std::string text) {
   const std::lock_guard lock(mutex_);
-  if (next_budget_) folder.set_budget(*next_budget_);
-  next_budget_.reset();
+  if (state_.phase != Phase::recording || marks_.size() == kMostMarks) return false;
+  marks_.emplace_back(stamp, std::move(text));
+  return true;
+}
+
+Status Recorder::adopt_news(RecordingFolder& folder) {
+  folder.set_date_known(date_known_);
+  std::vector<std::pair<Stamp, std::string>> marks;
+  {
+    const std::lock_guard lock(mutex_);
+    if (next_budget_) folder.set_budget(*next_budget_);
+    next_budget_.reset();
+    marks.swap(marks_);
+  }
+  for (const auto& [stamp, text] : marks) {
+    if (auto noted = folder.mark(stamp, text); !noted) return noted;
+  }
+  return {};
 }
 
 bool Recorder::settle(Stamp deadline) const {
@@ -163,10 +179,10 @@ Status Recorder::record(RecordingFolder& folder) {
   Status good;
   for (bool done = false; good && !done;) {
     const auto slot = next_filled_slot(sync_due, done);
-    adopt_news(folder);
+    good = adopt_news(folder);
     if (slot) {
       const auto written = write(folder, slots_[*slot]);
-      if (!written) good = tl::make_unexpected(written.error());
+      if (good && !written) good = tl::make_unexpected(written.error());
       const std::lock_guard lock(mutex_);
       free_.push_back(*slot);
       if (written && !*written) ++state_.drops;

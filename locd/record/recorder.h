@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "core/base/priority_mutex.h"
@@ -55,6 +56,10 @@ class Recorder {
   void set_budget(const RecordingBudget& budget);
   /// Whether the system vouches for the clock now.
   void set_date_known(bool known) { date_known_ = known; }
+  /// Has what somebody remarks noted in the recording (RecordingFolder::mark). False: nothing is
+  /// recorded, or kMostMarks wait to be written.
+  [[nodiscard]] bool mark(Stamp stamp, std::string text);
+  static constexpr std::size_t kMostMarks = 64;
   /// Waits while it starts or stops; false when it still does at `deadline`.
   [[nodiscard]] bool settle(Stamp deadline) const;
 
@@ -99,7 +104,7 @@ class Recorder {
   [[nodiscard]] std::optional<std::size_t> next_filled_slot(Stamp sync_due, bool& done);
   /// False: there is no room for it yet.
   [[nodiscard]] Expected<bool> write(RecordingFolder& folder, const Slot& slot);
-  void adopt_news(RecordingFolder& folder);
+  [[nodiscard]] Status adopt_news(RecordingFolder& folder);
   void publish_state(RecordingFolder& folder);
   [[nodiscard]] std::optional<std::size_t> take_free_slot();
   static void copy(const FrameSetLease& set, Slot& slot);
@@ -111,6 +116,7 @@ class Recorder {
   std::vector<std::size_t> free_;
   std::vector<std::size_t> filled_;  ///< oldest first; never longer than its capacity
   std::optional<RecordingBudget> next_budget_;
+  std::vector<std::pair<Stamp, std::string>> marks_;  ///< to be written
   bool stopping_ = false;
   std::uint64_t offered_ = 0;
   State state_;

@@ -16,18 +16,19 @@ namespace waymark {
 
 namespace fs = std::filesystem;
 
-Expected<fs::path> new_recording_folder(const fs::path& archive) {
+Expected<fs::path> new_recording_folder(const fs::path& archive, const std::string& name) {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
   ::gmtime_r(&now, &utc);
-  std::array<char, 32> name{};
-  const std::size_t length = std::strftime(name.data(), name.size(), "%Y%m%dT%H%M%SZ", &utc);
-  const std::string date(name.data(), length);
+  std::array<char, 32> text{};
+  const std::size_t length = std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ", &utc);
+  std::string stem(text.data(), length);
+  if (!name.empty()) stem += "-" + name;
   std::error_code failed;
   fs::create_directories(archive, failed);
-  fs::path folder = archive / date;
+  fs::path folder = archive / stem;
   for (int i = 2; !failed && !fs::create_directory(folder, failed) && !failed; ++i) {
-    folder = archive / fmt::format("{}-{}", date, i);
+    folder = archive / fmt::format("{}-{}", stem, i);
   }
   if (!failed) return folder;
   errno = failed.value();

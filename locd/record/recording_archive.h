@@ -17,10 +17,10 @@
 
 namespace waymark {
 
-/// Creates a folder for another recording, named by the date (UTC) so that names sort by age.
-/// Errors: cant_create, permission.
+/// Creates a folder for another recording, named by the date (UTC) so that names sort by age, and
+/// behind it `name`, where that is not empty. Errors: cant_create, permission.
 [[nodiscard]] Expected<std::filesystem::path> new_recording_folder(
-    const std::filesystem::path& archive);
+    const std::filesystem::path& archive, const std::string& name = "");
 
 /// Whether recordings can go to an archive that may have to be made: config where a part of its
 /// path is no folder or can't be one. A note where this process (which need not be the service's

@@ -12,8 +12,9 @@ namespace waymark {
 /// What locd names the files of a recording. Only what bears such a name is ever deleted.
 inline constexpr const char* kCaptureToml = "capture.toml";
 inline constexpr const char* kFrameTable = "frames.csv";
+inline constexpr const char* kMarkTable = "marks.csv";
 /// Of every recording, beside its camera folders; capture.toml by which it is known goes last.
-inline constexpr std::array<const char*, 4> kRecordingTexts = {kFrameTable, "rig.yaml",
+inline constexpr std::array<const char*, 5> kRecordingTexts = {kFrameTable, kMarkTable, "rig.yaml",
                                                                "markers.toml", kCaptureToml};
 
 /// "1800000000000000000.pgm"

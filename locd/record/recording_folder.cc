@@ -42,6 +42,13 @@ std::string_view name_of(StampQuality quality) {
   return "";
 }
 
+/// The text as a field of a CSV table.
+std::string csv_field(std::string_view text) {
+  std::string field = "\"";
+  for (const char c : text) field.append(c == '"' ? 2 : 1, c);
+  return field + "\"";
+}
+
 std::string capture_toml(const RecordingFacts& facts) {
   const auto tolerance_us =
       std::chrono::duration_cast<std::chrono::microseconds>(facts.sync_tolerance).count();
@@ -390,8 +397,22 @@ std::string RecordingFolder::rows_of(const std::vector<RecordedImage>& images) c
   return rows;
 }
 
+Status RecordingFolder::mark(Stamp stamp, std::string_view text) {
+  std::string rows;
+  if (!marks_.valid()) {
+    auto opened = folder_.open_to_append(kMarkTable);
+    if (!opened) return tl::make_unexpected(opened.error());
+    marks_ = std::move(*opened);
+    if (::lseek(marks_.get(), 0, SEEK_END) == 0) rows = "t_ns,text\n";
+  }
+  rows += fmt::format("{},{}\n", stamp.count(), csv_field(text));
+  if (write_all(marks_.get(), rows)) return {};
+  return fail(ErrorKind::io, "{}: can't write: {}", (path() / kMarkTable).string(),
+              system_reason());
+}
+
 Status RecordingFolder::sync() {
-  bool good = true;
+  bool good = !marks_.valid() || ::fdatasync(marks_.get()) == 0;
   for (const Descriptor& file : unsynced_) good = ::fdatasync(file.get()) == 0 && good;
   unsynced_.clear();
   for (const OwnFolder& folder : folders_) good = ::fsync(folder.descriptor()) == 0 && good;

@@ -32,6 +32,7 @@ struct RecordingFacts {
   std::string session_id;
   std::string version;
   std::string codec;  ///< "pgm" or "jpeg"
+  std::string name;   ///< behind the date in the name of a new folder; empty: none
   std::vector<std::string> cameras;
   Stamp sync_tolerance{0};
   bool date_known = false;  ///< the system vouches for its clock: stamps are dates
@@ -79,6 +80,10 @@ class RecordingFolder {
   /// room yet; each further set makes some. Errors: io (disk full, device gone, no room to be
   /// made); then nothing of the set is left behind.
   [[nodiscard]] Expected<bool> write_set(const std::vector<RecordedImage>& images);
+
+  /// Notes in marks.csv, a row each, t_ns,text: what somebody remarked at that instant, on the
+  /// clock of the images' names. Error: io.
+  [[nodiscard]] Status mark(Stamp stamp, std::string_view text);
 
   /// Brings all that was written to the disk itself. Error: io.
   [[nodiscard]] Status sync();
@@ -145,6 +150,7 @@ class RecordingFolder {
   std::vector<OwnFolder> folders_;  ///< per camera
   std::vector<Descriptor> unsynced_;
   std::optional<FrameTable> table_;
+  Descriptor marks_;  ///< marks.csv, once there is something in it
   RecordingArchive earlier_;
   std::deque<SetOnDisk> sets_;  ///< of this run
   std::uint64_t set_images_ = 0;

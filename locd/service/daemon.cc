@@ -3,29 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <future>
 #include <span>
-#include <thread>
 #include <utility>
 
 #include "core/base/notes.h"
 #include "core/map/quarantine.h"
+#include "core/marker/marker_catalog.h"
 #include "drivers/monotonic_clock.h"
 #include "locd/frames/realtime.h"
-#include "locd/frames/rig_capture.h"
-#include "locd/publish/link_watch.h"
-#include "locd/publish/status_report.h"
-#include "locd/record/quarantine_file.h"
-#include "locd/record/recorder.h"
-#include "locd/service/control_socket.h"
-#include "locd/service/localization_thread.h"
-#include "locd/service/recording_control.h"
-#include "locd/service/reload_thread.h"
-#include "locd/service/service_log.h"
-#include "locd/service/service_notifier.h"
+#include "locd/service/daemon_parts.h"
 
 namespace waymark {
 namespace {
@@ -42,7 +30,13 @@ MapInUse map_in_use(const Setup& setup, std::span<const QuarantinedMarker> quara
   MapInUse map;
   map.time_budget =
       std::chrono::microseconds(std::llround(setup.config.solve.time_budget_ms * 1e3));
-  if (!setup.map) return map;
+  if (!setup.map) {
+    // What stands there was written from a catalog: an empty one where nobody states any markers.
+    const auto catalog = parse_marker_catalog(setup.markers_toml, "markers.toml");
+    map.search = std::make_unique<MarkerSearch>(setup.rig, catalog ? *catalog : MarkerCatalog(),
+                                                localizer_options(setup));
+    return map;
+  }
   map.identity = std::make_shared<const MapIdentity>(MapIdentity{
       setup.map_hash, setup.map->submaps.front().z_is_up, setup.map->several_families()});
   map.localizer = std::make_unique<Localizer>(setup.rig, *setup.map, localizer_options(setup));
@@ -75,74 +69,23 @@ DaemonOptions options_from_environment() {
   return options;
 }
 
-struct Daemon::Parts {
-  Parts(DaemonOptions chosen, Setup read, std::unique_ptr<QuarantineFile> file, MapInUse map_in_use,
-        std::vector<std::unique_ptr<FrameSource>> sources)
-      : options(std::move(chosen)),
-        setup(std::move(read)),
-        map(map_in_use.identity),
-        quarantine_file(std::move(file)),
-        quarantine{map->map_hash, quarantine_file->of_map(map->map_hash)},
-        telemetry(setup.config.lcm, session_of(setup, map_in_use), options.read_clocks(),
-                  setup.key),
-        capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
-        localization(capture, telemetry, std::move(map_in_use),
-                     [this](const FrameSetLease& set, Stamp utime_offset) {
-                       recorder.offer(set, utime_offset);
-                     }),
-        report(setup.rig) {}
-
-  DaemonOptions options;
-  Setup setup;
-  /// The one that the setup names; the localization adopts it a little later.
-  std::shared_ptr<const MapIdentity> map;
-  std::unique_ptr<QuarantineFile> quarantine_file;
-  Quarantine quarantine;  ///< as it stands in the state folder, or soon will
-  Telemetry telemetry;
-  RigCapture capture;
-  Recorder recorder;
-  RecordingControl recordings{recorder, [this] {
-                                return plan_recording(setup, telemetry,
-                                                      options.state_folder / "recordings",
-                                                      options.version);
-                              }};
-  LocalizationThread localization;
-  StatusReport report;
-  LinkWatch link;
-  std::optional<ControlSocket> control;
-  ServiceNotifier notifier;
-  ServiceLog log;
-  std::vector<Alert> standing;  ///< alerts of the localization that were raised and are not over
-  status_t status{};
-  std::vector<RigCapture::CameraState> cameras;
-  std::string reload_refused;
-  std::optional<Error> refusal;
-  Stamp started{0};
-  Stamp last_status{0};
-  bool ready = false;
-  std::atomic<const char*> ending{""};  ///< what is just told to end
-  std::future<void> ended;              ///< of the threads, once they were told to
-  std::thread ender;                    ///< what tells them; joined once `ended` is there
-
-  [[nodiscard]] PoseReason why_without_pose(Stamp now) const;
-  [[nodiscard]] bool has_waited_enough(Stamp now) const;
-  void look_at_cameras(Stamp now);
-  void publish_and_log(const Alert& alert, const MapIdentity& found_with, Stamp now);
-  void pass_on(const LocalizationNews& news, Stamp now);
-  void end_alerts_of_replaced(const MapIdentity& replaced, Stamp now);
-  void publish_status(Stamp now);
-  void look_at_link(Stamp now);
-  void feed_watchdog(Stamp now);
-  void look_at_quarantine_file(Stamp now);
-  void keep_quarantine(std::vector<QuarantinedMarker> markers, Stamp now);
-  void look_at_recorder(Stamp now);
-  [[nodiscard]] Status check_reload(const Setup& next) const;
-  [[nodiscard]] Expected<Replacement> prepare_reload() const;
-  void swap(Replacement next);
-  void finish_reload(Expected<Replacement> next, Stamp now);
-
-  ReloadThread reloads{[this] { return prepare_reload(); }};  ///< ends first, for it uses the rest
-};
+Daemon::Parts::Parts(DaemonOptions chosen, Setup read, std::unique_ptr<QuarantineFile> file,
+                     MapInUse map_in_use, std::vector<std::unique_ptr<FrameSource>> sources)
+    : options(std::move(chosen)),
+      setup(std::move(read)),
+      map(map_in_use.identity),
+      quarantine_file(std::move(file)),
+      unused(*quarantine_file, map->map_hash),
+      telemetry(setup.config.lcm, session_of(setup, map_in_use), options.read_clocks(), setup.key),
+      capture(std::move(sources), sync_options(setup.config), stamp_delays(setup.config)),
+      localization(capture, telemetry, std::move(map_in_use),
+                   [this](const FrameSetLease& set, Stamp utime_offset) {
+                     recorder.offer(set, utime_offset);
+                   }),
+      report(setup.rig) {
+  localization.ignore(unused.ignored());
+  take_requests();
+}
 
 Daemon::Daemon(DaemonOptions options, Setup setup,
                std::vector<std::unique_ptr<FrameSource>> sources) {
@@ -210,8 +153,7 @@ void Daemon::turn(Stamp now) {
   p.look_at_quarantine_file(now);
   if (auto next = p.reloads.take()) p.finish_reload(std::move(*next), now);
   p.look_at_recorder(now);
-  p.control->serve(
-      [&p, now](std::string_view request) { return p.recordings.handle(request, now); }, now);
+  p.control->serve([&p, now](std::string_view line) { return p.requests.handle(line, now); }, now);
   if (now - p.last_status >= kStatusPeriod) p.publish_status(now);
   p.feed_watchdog(now);
   p.log.summarize(now);
@@ -260,9 +202,8 @@ void Daemon::Parts::pass_on(const LocalizationNews& news, Stamp now) {
     std::erase_if(standing, [&](const Alert& other) { return same_subject(alert, other); });
     if (alert.raised) standing.push_back(alert);
   }
-  // A quarantine belongs to the map that it was found with.
-  if (news.quarantine_changed && news.map->map_hash == quarantine.map_hash) {
-    keep_quarantine(news.quarantine, now);
+  if (news.quarantine_changed) {
+    unused.set_found(news.map->map_hash, news.quarantine, telemetry.utime_us(now));
   }
   if (news.replaced) end_alerts_of_replaced(*news.map, now);
 }
@@ -290,8 +231,8 @@ void Daemon::Parts::publish_status(Stamp now) {
   last_status = now;
   status.version = options.version;
   status.map_markers = static_cast<std::int32_t>(marker_count(setup));
-  status.reload_refused = reload_refused;
-  status.quarantined_markers = static_cast<std::int32_t>(quarantine.markers.size());
+  status.reload_refused = last_reload ? "" : last_reload.error().message;
+  status.quarantined_markers = static_cast<std::int32_t>(unused.quarantined());
   const Recorder::State recording = recorder.state();
   status.recording = static_cast<std::int8_t>(recording.running());
   status.recording_path = recording.running() ? recording.folder.string() : "";
@@ -328,20 +269,10 @@ void Daemon::Parts::look_at_quarantine_file(Stamp now) {
   }
 }
 
-void Daemon::Parts::keep_quarantine(std::vector<QuarantinedMarker> markers, Stamp now) {
-  for (QuarantinedMarker& marker : markers) {
-    const auto known = std::find_if(quarantine.markers.begin(), quarantine.markers.end(),
-                                    [&](const auto& k) { return k.marker == marker.marker; });
-    if (known != quarantine.markers.end()) marker.since_utime = known->since_utime;
-    if (marker.since_utime == 0) marker.since_utime = telemetry.utime_us(now);
-  }
-  quarantine.markers = std::move(markers);
-  quarantine_file->write(quarantine);
-}
-
 void Daemon::Parts::look_at_recorder(Stamp now) {
   recorder.set_date_known(telemetry.date_known());
   for (const RecordingNews& news : recordings.take_news()) {
+    if (news.begun) localization.begin_tally();
     telemetry.publish_alert("RECORDING", news.folder, news.text, news.wrong, now);
     log.event(news.wrong ? "RECORDING" : news.text, news.text, now);
   }
@@ -360,11 +291,12 @@ void Daemon::Parts::feed_watchdog(Stamp now) {
   }
 }
 
-void Daemon::reload() {
-  Parts& p = *parts_;
+void Daemon::reload() { parts_->begin_reload(); }
+
+void Daemon::Parts::begin_reload() {
   // Before ready only the start itself ends in READY=1, which would have to end a reload as well.
-  if (p.ready) p.notifier.reloading(monotonic_now());
-  p.reloads.request();
+  if (ready) notifier.reloading(monotonic_now());
+  reloads.request();
 }
 
 Status Daemon::Parts::check_reload(const Setup& next) const {
@@ -394,9 +326,10 @@ Expected<Replacement> Daemon::Parts::prepare_reload() const {
 }
 
 void Daemon::Parts::finish_reload(Expected<Replacement> next, Stamp now) {
-  reload_refused = next ? "" : next.error().message;
+  ++reloads_ended;
+  last_reload = next ? Status{} : tl::make_unexpected(next.error());
   const std::string text = next ? "reloaded: " + options.config.string()
-                                : "reload refused, all stays as it was: " + reload_refused;
+                                : "reload refused, all stays as it was: " + next.error().message;
   const bool refused = !next;
   if (next) swap(std::move(*next));
   telemetry.publish_alert("RELOAD", options.config.string(), text, refused, now);
@@ -406,7 +339,7 @@ void Daemon::Parts::finish_reload(Expected<Replacement> next, Stamp now) {
 
 void Daemon::Parts::swap(Replacement next) {
   map = next.map.identity;
-  quarantine = {map->map_hash, std::move(next.quarantine)};
+  unused.use_map(map->map_hash, std::move(next.quarantine));
   setup = std::move(next.setup);
   for (const std::string& note : shown_notes(setup.notes)) log.note(note);
   localization.swap_map(std::move(next.map));

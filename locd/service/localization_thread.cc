@@ -19,7 +19,11 @@ LocalizationThread::LocalizationThread(RigCapture& capture, Telemetry& telemetry
     : capture_(capture),
       telemetry_(telemetry),
       after_set_(std::move(after_set)),
-      in_use_(with_memory(std::move(map))) {}
+      in_use_(with_memory(std::move(map))) {
+  ignored_.reserve(Localizer::kMostOrders);
+  ignored_in_use_.reserve(Localizer::kMostOrders);
+  to_release_.reserve(Localizer::kMostOrders);
+}
 
 LocalizationThread::~LocalizationThread() { stop(); }
 
@@ -41,7 +45,7 @@ void LocalizationThread::stop() {
 void LocalizationThread::run() {
   while (!stopping_) {
     auto set = capture_.wait(monotonic_now() + kTurn);
-    adopt_next_map();
+    adopt_orders();
     utime_offset_.reset();
     if (set) begin_work();
     const bool localized = set && pacer_.admit(set->mean_stamp()) && localize(*set);
@@ -63,6 +67,8 @@ bool LocalizationThread::localize(const FrameSetLease& set) {
   if (map.localizer != nullptr) {
     if (forget_motion_.exchange(false)) map.localizer->forget_motion();
     map.localizer->localize(set, estimate_);
+  } else if (map.search != nullptr) {
+    map.search->search(set, ignored_in_use_, estimate_);
   } else {
     estimate_.reset(PoseReason::no_map, set);
   }
@@ -85,20 +91,48 @@ LocalizationThread::InUse LocalizationThread::with_memory(MapInUse map) {
   return use;
 }
 
-/// The next map, unless the one that the last replaced still waits to be fetched.
-void LocalizationThread::adopt_next_map() {
+/// What other threads have asked for since the last turn.
+void LocalizationThread::adopt_orders() {
+  bool swapped = false;
   {
     const std::lock_guard lock(mutex_);
-    if (!next_ || replaced_) return;
-    replaced_.swap(next_);
-    std::swap(*replaced_, in_use_);
-    replaced_->news.replaced = true;
-    // Cameras know of no reload: what they gave before it is old after it.
-    if (in_use_.map.localizer != nullptr && replaced_->map.localizer != nullptr) {
-      in_use_.map.localizer->remember_images_of(*replaced_->map.localizer);
+    swapped = adopt_next_map();
+    if (Localizer* const localizer = in_use_.map.localizer.get()) {
+      if (swapped || ignored_changed_) localizer->ignore(ignored_);
+      for (const MarkerId& marker : to_release_) localizer->release(marker);
     }
+    if (ignored_changed_) ignored_in_use_.assign(ignored_.begin(), ignored_.end());
+    ignored_changed_ = false;
+    to_release_.clear();
   }
-  telemetry_.set_map(*in_use_.map.identity);
+  if (swapped) telemetry_.set_map(*in_use_.map.identity);
+}
+
+/// The next map, unless the one that the last replaced still waits to be fetched; with the mutex
+/// held. False: the map stays.
+bool LocalizationThread::adopt_next_map() {
+  if (!next_ || replaced_) return false;
+  replaced_.swap(next_);
+  std::swap(*replaced_, in_use_);
+  replaced_->news.replaced = true;
+  // Cameras know of no reload: what they gave before it is old after it.
+  if (in_use_.map.localizer != nullptr && replaced_->map.localizer != nullptr) {
+    in_use_.map.localizer->remember_images_of(*replaced_->map.localizer);
+  }
+  return true;
+}
+
+void LocalizationThread::ignore(std::span<const MarkerId> markers) {
+  const std::lock_guard lock(mutex_);
+  ignored_.assign(markers.begin(), markers.end());
+  ignored_changed_ = true;
+}
+
+bool LocalizationThread::release(const MarkerId& marker) {
+  const std::lock_guard lock(mutex_);
+  if (to_release_.size() == Localizer::kMostOrders) return false;
+  to_release_.push_back(marker);
+  return true;
 }
 
 void LocalizationThread::begin_work() {
@@ -117,20 +151,49 @@ void LocalizationThread::finish_turn(bool took_set, bool localized) {
   if (took_set && !localized) counts_.passed_over = counts_.last_turn;
   counts_.divisor = pacer_.divisor();
   counts_.skipped = pacer_.skipped();
+  if (localized) count_markers();
+  if (const MarkerSearch* const search = in_use_.map.search.get(); localized && search != nullptr) {
+    counts_.unhealthy = search->unhealthy();
+    take_alerts(search->alerts());
+  }
   if (localizer == nullptr) return;
   counts_.unhealthy = localizer->unhealthy_cameras();
   count_left_out(*localizer);
+  take_alerts(localizer->alerts());
+  if (!quarantine_changed) return;
   LocalizationNews& news = in_use_.news;
-  for (const Alert& alert : localizer->alerts()) {
-    if (news.alerts.size() < kMaxAlerts) {
-      news.alerts.push_back(alert);
+  news.quarantine.swap(in_use_.listed);
+  news.quarantine_changed = true;
+}
+
+void LocalizationThread::take_alerts(std::span<const Alert> alerts) {
+  std::vector<Alert>& kept = in_use_.news.alerts;
+  for (const Alert& alert : alerts) {
+    if (kept.size() < kMaxAlerts) {
+      kept.push_back(alert);
     } else {
       ++counts_.alerts_lost;
     }
   }
-  if (!quarantine_changed) return;
-  news.quarantine.swap(in_use_.listed);
-  news.quarantine_changed = true;
+}
+
+/// What the last set showed.
+void LocalizationThread::count_markers() {
+  tally_.count(estimate_);
+  counts_.markers.fill(0);
+  for (const ObservedMarker& seen : estimate_.observations) {
+    ++counts_.markers[static_cast<std::size_t>(seen.camera)];
+  }
+}
+
+MarkerTally LocalizationThread::tally() const {
+  const std::lock_guard lock(mutex_);
+  return tally_;
+}
+
+void LocalizationThread::begin_tally() {
+  const std::lock_guard lock(mutex_);
+  tally_.clear();
 }
 
 void LocalizationThread::count_left_out(const Localizer& localizer) {

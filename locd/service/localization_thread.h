@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -12,8 +13,10 @@
 #include "locd/frames/rig_capture.h"
 #include "locd/frames/set_pacer.h"
 #include "locd/pose/localizer.h"
+#include "locd/pose/marker_search.h"
 #include "locd/publish/localization_counts.h"
 #include "locd/publish/telemetry.h"
+#include "locd/record/marker_tally.h"
 
 namespace waymark {
 
@@ -21,7 +24,9 @@ namespace waymark {
 struct MapInUse {
   std::shared_ptr<const MapIdentity> identity = std::make_shared<const MapIdentity>();
   std::unique_ptr<Localizer> localizer;  ///< null: recording only
-  Stamp time_budget{0};                  ///< a set older than this is dropped
+  std::unique_ptr<MarkerSearch>
+      search;            ///< where there is no localizer; null: images are not looked at
+  Stamp time_budget{0};  ///< a set older than this is dropped
 };
 
 /// The results of localization besides poses, all of them found with one map.
@@ -54,6 +59,12 @@ class LocalizationThread {
   /// take_news, on the caller's thread. One thread calls both.
   void swap_map(MapInUse next);
 
+  /// Leaves these markers (at most Localizer::kMostOrders, by rising id) out of everything from the
+  /// next set on, in this map and the next ones.
+  void ignore(std::span<const MarkerId> markers);
+  /// Ends the marker's quarantine with the next set. False: too many are to be released by then.
+  [[nodiscard]] bool release(const MarkerId& marker);
+
   /// What has come since the last call, of the map that was replaced first. More than kMaxAlerts
   /// alerts between two calls are counted as lost.
   [[nodiscard]] std::vector<LocalizationNews> take_news();
@@ -63,15 +74,21 @@ class LocalizationThread {
   void forget_motion() { forget_motion_ = true; }
 
   [[nodiscard]] LocalizationCounts counts() const;
+  /// The markers that were seen since the last call of begin_tally.
+  [[nodiscard]] MarkerTally tally() const;
+  void begin_tally();
 
  private:
   void run();
   /// False when the set came too late.
   bool localize(const FrameSetLease& set);
-  void adopt_next_map();
+  void adopt_orders();
+  [[nodiscard]] bool adopt_next_map();
   void begin_work();
   void finish_turn(bool took_set, bool localized);
   void count_left_out(const Localizer& localizer);
+  void count_markers();
+  void take_alerts(std::span<const Alert> alerts);
 
   /// The map in use, its news, and the memory that a quarantine is listed in, all that it takes.
   struct InUse {
@@ -87,6 +104,7 @@ class LocalizationThread {
   PoseEstimate estimate_;
   std::optional<Stamp> utime_offset_;  ///< of the set's pose; nullopt: it has none
   SetPacer pacer_;
+  std::vector<MarkerId> ignored_in_use_;  ///< where there is no localizer
   std::atomic<bool> stopping_{false};
   std::atomic<bool> forget_motion_{false};
   /// Of the thread that calls take_news: memory that is swapped for what is taken, and how much of
@@ -97,6 +115,10 @@ class LocalizationThread {
   InUse in_use_;
   std::optional<InUse> next_;
   std::optional<InUse> replaced_;
+  std::vector<MarkerId> ignored_;
+  bool ignored_changed_ = false;
+  MarkerTally tally_;
+  std::vector<MarkerId> to_release_;
   LocalizationCounts counts_;
   std::thread thread_;
 };

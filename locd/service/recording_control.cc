@@ -1,7 +1,9 @@
 #include "locd/service/recording_control.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "core/base/no_answer.h"
 #include "core/camera/kalibr.h"
 #include "drivers/monotonic_clock.h"
 
@@ -9,10 +11,6 @@ namespace waymark {
 namespace {
 
 using Phase = Recorder::Phase;
-
-ControlSocket::Answer at_once(std::string answer) {
-  return [answer = std::move(answer)](Stamp /*now*/) { return answer; };
-}
 
 /// Empty when one can.
 std::string why_none_can_start(const Recorder::State& state) {
@@ -29,19 +27,35 @@ std::string why_none_can_start(const Recorder::State& state) {
   return "";
 }
 
+/// The answer that names a recording's folder.
+ControlAnswer in_folder(const std::filesystem::path& folder) {
+  return {folder.string(), {{"folder", folder.string()}}};
+}
+
 /// Whether the recording that was asked for has begun.
-std::optional<std::string> how_it_began(const Recorder::State& state) {
-  if (state.failure) return "error: " + state.failure->message;
-  if (!state.folder.empty()) return "ok " + state.folder.string();
-  if (state.phase == Phase::idle) return "error: it was stopped before it began";
+std::optional<ControlReply> how_it_began(const Recorder::State& state) {
+  if (state.failure) return tl::make_unexpected(*state.failure);
+  if (!state.folder.empty()) return in_folder(state.folder);
+  if (state.phase == Phase::idle)
+    return fail(ErrorKind::unavailable, "it was stopped before it began");
   return std::nullopt;
 }
 
 /// Whether the recording that was to end is on the disk.
-std::optional<std::string> how_it_ended(const Recorder::State& state) {
+std::optional<ControlReply> how_it_ended(const Recorder::State& state) {
   if (state.phase != Phase::idle) return std::nullopt;
-  if (state.failure) return "error: " + state.failure->message;
-  return state.folder.empty() ? "ok there was no recording" : "ok " + state.folder.string();
+  if (state.failure) return tl::make_unexpected(*state.failure);
+  return state.folder.empty() ? ControlAnswer{"there was no recording", {}}
+                              : in_folder(state.folder);
+}
+
+/// Whether it can stand in a folder's name.
+bool is_name(std::string_view text) {
+  constexpr std::size_t kMost = 64;
+  return text.size() <= kMost && std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                  c == '-' || c == '_' || c == '.';
+         });
 }
 
 bool is_same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
@@ -84,53 +98,70 @@ RecordingPlan plan_recording(const Setup& setup, const Telemetry& telemetry,
   return plan;
 }
 
-ControlSocket::Answer RecordingControl::handle(std::string_view request, Stamp now) {
-  if (request == "start") return start(now);
-  if (request == "stop") return stop(now);
-  if (request == "status") return at_once(status());
-  return at_once("error: the requests are start, stop and status");
-}
-
 std::string RecordingControl::status() const {
   const Recorder::State state = recorder_.state();
   switch (state.phase) {
     case Phase::idle:
-      return "ok not recording";
+      return "not recording";
     case Phase::starting:
-      return "ok starting";
+      return "starting";
     case Phase::recording:
-      return "ok recording to " + state.folder.string();
+      return "recording to " + state.folder.string();
     case Phase::stopping:
-      return "ok stopping";
+      return "stopping";
   }
   return "";
 }
 
-ControlSocket::Answer RecordingControl::start(Stamp now) {
-  if (const auto why = why_none_can_start(recorder_.state()); !why.empty()) {
-    return at_once("error: " + why);
+PendingReply RecordingControl::start(std::string_view name, Stamp now) {
+  if (!is_name(name)) {
+    return at_once(
+        fail(ErrorKind::usage,
+             "{}: no name for a recording: letters, digits, '-', '_' and '.', at most 64", name));
   }
-  const RecordingPlan plan = plan_();
+  if (const auto why = why_none_can_start(recorder_.state()); !why.empty()) {
+    return at_once(fail(ErrorKind::usage, "{}", why));
+  }
+  RecordingPlan plan = plan_();
+  plan.facts.name = name;
   has_markers_ = !plan.facts.markers_toml.empty();
   recorder_.start({}, plan.facts, plan.options);
   return [this, archive = plan.facts.archive.string(), until = now + kPatience](Stamp later) {
-    auto answer = how_it_began(recorder_.state());
-    if (!answer && later >= until) {
+    auto reply = how_it_began(recorder_.state());
+    if (!reply && later >= until) {
       recorder_.stop();
-      answer = "error: " + archive + ": the disk does not answer; the recording is given up";
+      reply = fail(kNoAnswer, "{}: the disk does not answer; the recording is given up", archive);
     }
-    return answer;
+    return reply;
   };
 }
 
-ControlSocket::Answer RecordingControl::stop(Stamp now) {
-  if (recorder_.state().phase == Phase::idle) return at_once("ok there was no recording");
+PendingReply RecordingControl::stop(Stamp now) {
+  if (recorder_.state().phase == Phase::idle) {
+    return at_once(ControlAnswer{"there was no recording", {}});
+  }
   recorder_.stop();
   return [this, until = now + kPatience](Stamp later) {
-    auto answer = how_it_ended(recorder_.state());
-    if (!answer && later >= until) answer = "ok stopping";
-    return answer;
+    auto reply = how_it_ended(recorder_.state());
+    if (reply && *reply && (*reply)->more.contains("folder"))
+      (*reply)->more["verdict"] = verdict_();
+    if (!reply && later >= until) reply = ControlAnswer{"stopping", {}};
+    return reply;
   };
+}
+
+PendingReply RecordingControl::mark(std::string_view text, Stamp utime) {
+  const Recorder::State state = recorder_.state();
+  if (!recorder_.mark(utime, in_one_line(text))) {
+    return at_once(fail(ErrorKind::unavailable, "{}",
+                        state.phase == Phase::recording
+                            ? "the disk has not taken the marks before this one yet"
+                            : "nothing is being recorded that could be marked; start first"));
+  }
+  ControlAnswer answer = in_folder(state.folder);
+  answer.more["t_ns"] = utime.count();
+  answer.text = fmt::format("marked {} in {}", utime.count(), answer.text);
+  return at_once(std::move(answer));
 }
 
 Status RecordingControl::record_from_the_start(const std::filesystem::path& folder) {
@@ -154,13 +185,15 @@ std::vector<RecordingNews> RecordingControl::take_news() {
     constexpr const char* kNoMarkers =
         " without markers.toml: mapbuilder reads it once one of the markers' families and sizes is "
         "copied there; set [record] markers to such a file for recordings to have it";
-    news.push_back({folder, "recording to " + folder + (has_markers_ ? "" : kNoMarkers), false});
+    news.push_back(
+        {folder, "recording to " + folder + (has_markers_ ? "" : kNoMarkers), false, true});
   }
   for (const std::string& note : recorder_.take_notes()) news.push_back({folder, note, true});
   if (told_end_ || state.phase != Phase::idle) return news;
   told_end_ = true;
-  news.push_back({folder, "recording ended: " + (state.failure ? state.failure->message : folder),
-                  state.failure.has_value()});
+  const std::string how =
+      state.failure ? state.failure->message : fmt::format("{}: {}", folder, verdict_());
+  news.push_back({folder, "recording ended: " + how, state.failure.has_value()});
   return news;
 }
 

@@ -9,7 +9,7 @@
 
 #include "locd/publish/telemetry.h"
 #include "locd/record/recorder.h"
-#include "locd/service/control_socket.h"
+#include "locd/service/operator_requests.h"
 #include "locd/service/setup.h"
 
 namespace waymark {
@@ -32,11 +32,11 @@ struct RecordingNews {
   std::string folder;  ///< of the recording
   std::string text;
   bool wrong = false;
+  bool begun = false;  ///< a recording has begun
 };
 
-/// Starts, stops and reports recordings on request (start, stop and status, a line each on the
-/// control socket). No call waits: the answer to a request is ready once the recorder has carried
-/// it out.
+/// Starts, stops and marks recordings on request. No call waits: the answer to a request is ready
+/// once the recorder has carried it out.
 class RecordingControl {
  public:
   /// A disk that takes longer is said not to answer: a recording does not begin, or is left to end
@@ -44,12 +44,23 @@ class RecordingControl {
   static constexpr Stamp kPatience = std::chrono::seconds(10);
 
   /// `plan`: how to record what begins now.
-  RecordingControl(Recorder& recorder, std::function<RecordingPlan()> plan)
-      : recorder_(recorder), plan_(std::move(plan)) {}
+  /// `verdict`: what a recording that has ended is worth, in a line.
+  RecordingControl(Recorder& recorder, std::function<RecordingPlan()> plan,
+                   std::function<std::string()> verdict)
+      : recorder_(recorder), plan_(std::move(plan)), verdict_(std::move(verdict)) {}
 
-  /// Does what is requested. Answers: "ok FOLDER" when a recording has begun, or is on the disk;
-  /// "ok …"; "error: …".
-  [[nodiscard]] ControlSocket::Answer handle(std::string_view request, Stamp now);
+  /// A recording in a new folder, whose name ends in `name` where that is not empty. Answers with
+  /// the folder once it has begun. Errors: usage (one runs; no name for a folder), kNoAnswer, those
+  /// of RecordingFolder::open.
+  [[nodiscard]] PendingReply start(std::string_view name, Stamp now);
+  /// Answers with the folder, and what is in it worth, once all of it is on the disk. Errors: io.
+  [[nodiscard]] PendingReply stop(Stamp now);
+  /// Notes `text` in what is being recorded, at the date `utime`. Errors: unavailable when nothing
+  /// is, or too many wait to be written.
+  [[nodiscard]] PendingReply mark(std::string_view text, Stamp utime);
+
+  /// "recording to FOLDER", "not recording", "starting", "stopping".
+  [[nodiscard]] std::string status() const;
 
   /// Before the service runs: has it record into `folder`, and waits until it does. Errors: those
   /// of RecordingFolder::open; io when the disk does not answer.
@@ -59,12 +70,9 @@ class RecordingControl {
   [[nodiscard]] std::vector<RecordingNews> take_news();
 
  private:
-  [[nodiscard]] ControlSocket::Answer start(Stamp now);
-  [[nodiscard]] ControlSocket::Answer stop(Stamp now);
-  [[nodiscard]] std::string status() const;
-
   Recorder& recorder_;
   std::function<RecordingPlan()> plan_;
+  std::function<std::string()> verdict_;
   std::uint64_t told_begun_ = 0;  ///< recordings of which it was told that they began
   bool told_end_ = true;          ///< of the last
   bool has_markers_ = false;      ///< the last one has a markers.toml

@@ -20,22 +20,22 @@
 namespace waymark {
 namespace {
 
-/// Takes the markers that a vehicle found moved out of the map.
+/// Takes the markers that the vehicle did not use out of the map.
 void leave_out(const Quarantine& quarantine, MarkerMap& map, std::ostream& notes) {
   std::vector<std::string> left_out;
   const bool with_family = map.several_families();
   for (SubMap& submap : map.submaps) {
     std::erase_if(submap.markers, [&](const MapMarker& marker) {
-      const bool moved = std::any_of(quarantine.markers.begin(), quarantine.markers.end(),
-                                     [&](const QuarantinedMarker& quarantined) {
-                                       return quarantined.marker == marker.id &&
-                                              quarantined.state == QuarantineState::moved;
-                                     });
-      if (moved) left_out.push_back(format_marker_id(marker.id, with_family));
-      return moved;
+      const bool unused = std::any_of(quarantine.markers.begin(), quarantine.markers.end(),
+                                      [&](const QuarantinedMarker& quarantined) {
+                                        return quarantined.marker == marker.id &&
+                                               quarantined.state != QuarantineState::unknown;
+                                      });
+      if (unused) left_out.push_back(format_marker_id(marker.id, with_family));
+      return unused;
     });
   }
-  fmt::print(notes, "note: {} markers left out, the vehicle found them moved{}{}\n",
+  fmt::print(notes, "note: {} markers left out, the vehicle found them moved or ignores them{}{}\n",
              left_out.size(), left_out.empty() ? "" : ": ", fmt::join(left_out, ", "));
 }
 

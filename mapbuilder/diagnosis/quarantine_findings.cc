@@ -90,6 +90,7 @@ std::vector<Finding> quarantine_findings(const Quarantine& quarantine, const Bui
   std::vector<MarkerId> not_compared;
   std::vector<MarkerId> known_now;
   for (const QuarantinedMarker& marker : quarantine.markers) {
+    if (marker.state == QuarantineState::ignored) continue;  // says nothing of where it hangs
     const bool moved = marker.state == QuarantineState::moved;
     const ComparedMarker* elsewhere =
         comparison != nullptr ? find(comparison->moved, marker.marker) : nullptr;

@@ -18,7 +18,7 @@ MAY_INCLUDE = {
     "core/detect": ["core/capture"],
     "core/map": ["core/marker", "proto"],
     "core/estimate": ["core/capture", "core/map"],
-    "mapbuilder": ["mapbuilder/commands"],
+    "mapbuilder": ["mapbuilder/commands", "manual"],
     "mapbuilder/import": ["core/capture"],
     "mapbuilder/referees": ["core/detect"],
     "mapbuilder/observations": ["core/detect", "core/estimate", "mapbuilder/import", "mapbuilder/referees"],
@@ -33,10 +33,13 @@ MAY_INCLUDE = {
     "mapbuilder/calibrate": ["mapbuilder/diagnosis"],
     "mapbuilder/print": ["core/camera", "core/marker"],
     "mapbuilder/commands": ["mapbuilder/report", "mapbuilder/print", "mapbuilder/upkeep", "mapbuilder/calibrate"],
-    "simulator": ["core/capture"],
+    "simulator": ["core/capture", "manual"],
+    "manual": [],
     "drivers": ["core/capture"],
     "locd": ["core/camera", "core/marker"],  # the words that all its rooms share
-    "locd/main.cc": ["locd/service"],
+    "locd/main.cc": ["locd/service", "manual"],
+    "locd/locdctl.cc": ["locd/control", "manual"],
+    "locd/control": ["core/base"],
     "locd/frames": ["drivers", "locd"],
     "locd/pose": ["core/detect", "core/estimate", "locd/frames"],
     "locd/publish": ["locd/pose", "proto"],
@@ -51,7 +54,7 @@ ONLY_IN = {
     r"ceres/": ["mapbuilder/bundle"],
     r"hpdf": ["mapbuilder/print"],
     r"lcm/lcm": ["locd/publish"],
-    r"CLI/": ["mapbuilder", "simulator", "locd/main.cc"],
+    r"CLI/": ["manual", "mapbuilder", "simulator", "locd/main.cc", "locd/locdctl.cc"],
 }
 
 

@@ -16,7 +16,8 @@ for file in ./usr/bin/locd ./usr/lib/systemd/system/locd.service \
   ./usr/lib/systemd/system/locd-again.timer ./usr/share/doc/waymark-locd/security.md ./usr/lib/udev/rules.d/61-waymark-cameras.rules \
   ./usr/lib/sysusers.d/waymark.conf ./usr/lib/tmpfiles.d/waymark.conf ./usr/lib/sysctl.d/60-waymark.conf \
   ./etc/locd/locd.toml ./usr/share/waymark-locd/realtime.conf \
-  ./usr/share/doc/waymark-locd/operations.md; do
+  ./usr/bin/locdctl ./usr/share/man/man8/locd.8.gz ./usr/share/man/man1/locdctl.1.gz \
+  ./usr/share/bash-completion/completions/locdctl ./usr/share/doc/waymark-locd/operations.md; do
   grep -qxF "$file" files || { echo "$package lacks $file"; exit 1; }
 done
 [ "$(cat control/conffiles)" = /etc/locd/locd.toml ]
@@ -42,5 +43,10 @@ done
 ! grep -E '(opencv|apriltag|libavcodec)' control/control || exit 1
 dpkg-deb -e waymark-tools_*.deb tools_control
 ! grep -E '^Depends:.*(opencv|apriltag|libavcodec)' tools_control/control || exit 1
+dpkg-deb --fsys-tarfile waymark-tools_*.deb | tar -t >tools_files
+for file in ./usr/share/man/man1/mapbuilder.1.gz ./usr/share/man/man1/simulator.1.gz \
+  ./usr/share/bash-completion/completions/mapbuilder; do
+  grep -qxF "$file" tools_files || { echo "waymark-tools lacks $file"; exit 1; }
+done
 dpkg-deb --fsys-tarfile waymark-referees_*.deb | tar -t | grep -qxF ./usr/lib/waymark/modules/libwaymark_referees.so
 dpkg-deb --fsys-tarfile waymark-video_*.deb | tar -t | grep -qxF ./usr/lib/waymark/modules/libwaymark_video.so

@@ -14,17 +14,19 @@ TEST(Quarantine, ReadsBackWhatWasWritten) {
   const auto path = folder.path() / "quarantine.json";
   Quarantine quarantine{"0123456789abcdef",
                         {{{Family::tag36h11, 7}, QuarantineState::unknown, 5, 0},
+                         {{Family::tag36h11, 9}, QuarantineState::ignored, 6, 0},
                          {{Family::aruco_4x4_50, 3}, QuarantineState::moved, 1234567, 0.25}}};
   ASSERT_TRUE(write_quarantine(path, quarantine));
   const auto read = read_quarantine(path);
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->map_hash, quarantine.map_hash);
-  ASSERT_EQ(read->markers.size(), 2U);
+  ASSERT_EQ(read->markers.size(), 3U);
   EXPECT_EQ(read->markers[0].marker, (MarkerId{Family::aruco_4x4_50, 3}));
   EXPECT_EQ(read->markers[0].state, QuarantineState::moved);
   EXPECT_EQ(read->markers[0].since_utime, 1234567);
   EXPECT_EQ(read->markers[0].offset_m, 0.25);
   EXPECT_EQ(read->markers[1].state, QuarantineState::unknown);
+  EXPECT_EQ(read->markers[2].state, QuarantineState::ignored);
 }
 
 TEST(Quarantine, HasTheFormOfTheFormat) {

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 
@@ -393,6 +395,60 @@ TEST(Localizer, ImagesThatTheLibraryFailsOnAreLeftOutCountedAndSaid) {
   ASSERT_EQ(alerts.size(), 1U);
   EXPECT_EQ(alerts[0].kind, AlertKind::image_unsearched);
   EXPECT_EQ(alerts[0].camera, 1);
+}
+
+TEST(Localizer, AnIgnoredMarkerTakesNoPartMovedUnknownOrNot) {
+  RoomDrive drive(test::make_room(usual(60)));
+  MarkerMap map = test::room_map(drive.room());
+  map.submaps[0].markers[5].world_from_marker.translation += Eigen::Vector3d(0.06, 0.05, 0.0);
+  const MarkerId moved = map.submaps[0].markers[5].id;
+  const MarkerId unknown = map.submaps[0].markers[7].id;
+  map.submaps[0].markers.erase(map.submaps[0].markers.begin() + 7);
+  std::array ignored = {moved, unknown};
+  std::sort(ignored.begin(), ignored.end());
+  Localizer localizer(drive.room().rig, map, {});
+  localizer.ignore(ignored);
+  PoseEstimate estimate;
+  int seen_ignored = 0;
+  for (std::size_t i = 0; i < drive.size(); ++i) {
+    localizer.localize(drive.set(i), estimate);
+    EXPECT_TRUE(localizer.alerts().empty()) << i;
+    for (const ObservedMarker& seen : estimate.observations) {
+      const bool is_ignored = seen.marker == moved || seen.marker == unknown;
+      EXPECT_EQ(seen.verdict == ObservationVerdict::ignored, is_ignored);
+      seen_ignored += is_ignored ? 1 : 0;
+    }
+  }
+  EXPECT_GT(seen_ignored, 0);
+  EXPECT_FALSE(localizer.quarantine_changed());
+  localizer.ignore({});
+  localizer.localize(drive.set(0), estimate);
+  for (const ObservedMarker& seen : estimate.observations) {
+    EXPECT_NE(seen.verdict, ObservationVerdict::ignored);
+  }
+}
+
+TEST(Localizer, AReleasedMarkerIsUsedWithTheNextSet) {
+  RoomDrive drive(test::make_room(usual(4)));
+  const MarkerMap map = test::room_map(drive.room());
+  Localizer localizer(drive.room().rig, map, {});
+  const QuarantinedMarker was{map.submaps[0].markers[5].id, QuarantineState::moved, 0, 0.1};
+  localizer.restore_quarantine(std::span(&was, 1));
+  PoseEstimate estimate;
+  localizer.localize(drive.set(0), estimate);
+  EXPECT_TRUE(localizer.alerts().empty());
+  localizer.release(was.marker);
+  localizer.localize(drive.set(1), estimate);
+  ASSERT_EQ(localizer.alerts().size(), 1U);
+  EXPECT_FALSE(localizer.alerts()[0].raised);
+  EXPECT_EQ(localizer.alerts()[0].marker, was.marker);
+  EXPECT_TRUE(quarantine_of(localizer).empty());
+  for (const ObservedMarker& seen : estimate.observations) {
+    EXPECT_NE(seen.verdict, ObservationVerdict::quarantined);
+  }
+  localizer.release(was.marker);  // it is not in quarantine
+  localizer.localize(drive.set(2), estimate);
+  EXPECT_TRUE(localizer.alerts().empty());
 }
 
 }  // namespace

@@ -170,6 +170,17 @@ TEST_F(UnmappedMarkers, KnownFromBeforeARestartAreGoneAnHourAfterIt) {
   EXPECT_EQ(alerts_.size(), 1U);
 }
 
+TEST_F(UnmappedMarkers, AreReleasedAndMayBeNamedAgain) {
+  EXPECT_FALSE(watch_.release(hours(1), marker_, alerts_));
+  EXPECT_EQ(see_often(hours(1), 20), 1);
+  alerts_.clear();
+  EXPECT_TRUE(watch_.release(hours(1) + seconds(3), marker_, alerts_));
+  ASSERT_EQ(alerts_.size(), 1U);
+  EXPECT_FALSE(alerts_[0].raised);
+  EXPECT_EQ(listed(), 0U);
+  EXPECT_EQ(see_often(hours(1) + seconds(4), 20), 1);
+}
+
 TEST(MapWatchOptions, AreHeldToTheirRanges) {
   using Options = MapWatchOptions;
   expect_ranges<Options>({ranged("min_other_markers", &Options::min_other_markers, {2, 20}),
