@@ -17,8 +17,8 @@ struct VariableCalibration {
   bool intrinsics = false;  ///< fu fv pu pv and the lens's coefficients of every camera
   /// With intrinsics: whether a lens stated straight may bend (radtan), or stays straight.
   bool straight_lenses_bend = true;
-  bool sizes = false;       ///< one factor per stated size
-  bool edge_bias = false;   ///< how far each camera's edges lie outside (px), all alike
+  bool sizes = false;      ///< one factor per stated size
+  bool edge_bias = false;  ///< how far each camera's edges lie outside (px), all alike
 
   [[nodiscard]] bool any() const { return extrinsics || intrinsics || sizes || edge_bias; }
 };
