@@ -19,8 +19,6 @@ constexpr double kLeastCell_px = 3.0;
 /// The true scatter is one to two times the formal one; no fit is surer than this.
 constexpr double kFormalToTrue = 1.6;
 constexpr double kLeastSigma_px = 0.003;
-/// What no number of markers takes away: pixels drawn otherwise.
-constexpr double kSystematic_px = 0.005;
 /// Of half the distance of both responses: no prior decides alone.
 constexpr double kOpenAtLeast = 0.5;
 
@@ -286,7 +284,7 @@ std::optional<EdgeBias> edge_bias(std::span<const EdgeSample> samples,
           ? 0.0
           : std::max(0.5 * std::abs(apart) * kOpenAtLeast,
                      std::abs(apart) * std::sqrt(bias.srgb_share * (1 - bias.srgb_share)));
-  bias.sigma_px = std::hypot(mean.error, open, kSystematic_px);
+  bias.sigma_px = std::hypot(mean.error, open, kSurestEdges_px);
   const double noise = median_of(
       markers, [&](const EdgeSample& s) { return blend(s.fits, bias.srgb_share).sigma_px; });
   bias.scatter_px = std::sqrt(std::max(0.0, mean.scatter * mean.scatter - noise * noise));

@@ -24,6 +24,9 @@ struct EdgeBias {
   std::size_t markers = 0;  ///< that it stands on
 };
 
+/// What no number of markers takes away (px): pixels drawn otherwise. No bias is surer.
+inline constexpr double kSurestEdges_px = 0.005;
+
 /// A camera's edge bias from fitted markers (EDGES, Camera), `stated` where its response is known.
 /// Markers that are clipped or have cells below 3 px tell nothing of it. nullopt: fewer than eight
 /// are left, or they lie farther inside than any response, blooming or print makes them (0.25 px

@@ -23,7 +23,7 @@ void print_notes(const std::vector<std::string>& lines, std::ostream& notes) {
 /// What was measured of each camera's edges; nothing of one whose rig file states them.
 void tell_edges(const DetectionReport& report, const Rig& rig, std::ostream& notes) {
   for (std::size_t i = 0; i < report.edges.size(); ++i) {
-    if (rig.cameras[i].edge_bias_px) continue;
+    if (states_edges(rig.cameras[i])) continue;
     print_line(notes, "{}", edges_text(rig.cameras[i].name, report.edges[i]));
   }
 }

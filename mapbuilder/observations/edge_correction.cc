@@ -32,7 +32,7 @@ ChosenMarkers choose(const DetectedCapture& detected) {
       detected.rig.cameras.size());
   for (std::size_t i = 0; i < detected.images.size(); ++i) {
     const ImageDetections& image = detected.images[i];
-    if (detected.rig.cameras[static_cast<std::size_t>(image.camera)].edge_bias_px) continue;
+    if (states_edges(detected.rig.cameras[static_cast<std::size_t>(image.camera)])) continue;
     for (std::size_t k = 0; k < image.detections.size(); ++k) {
       const Detection& detection = image.detections[k];
       // Black that is too small makes squares of black smaller and those of white larger.
@@ -134,6 +134,11 @@ void move_corners(const MarkerCatalog& catalog, const std::vector<Chosen>& fitte
 }
 
 }  // namespace
+
+bool states_edges(const RigCamera& camera) {
+  const auto& sigma_px = camera.stated_sigmas.edge_px;
+  return camera.edge_bias_px || (sigma_px && *sigma_px < kSurestEdges_px);
+}
 
 std::vector<std::optional<EdgeBias>> correct_edges(const CaptureFolder& capture,
                                                    DetectedCapture& detected, int threads,

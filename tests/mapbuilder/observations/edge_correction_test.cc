@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/camera/kalibr.h"
 #include "core/capture/image_file.h"
 #include "core/marker/marker_outline.h"
 #include "mapbuilder/observations/detect_capture.h"
@@ -10,6 +11,8 @@
 
 namespace waymark {
 namespace {
+
+Rig open_rig() { return parse_camchain(scene_rig_yaml(), "rig.yaml")->rig; }
 
 /// A capture of the scene by a camera that encodes as sRGB.
 class EdgeCorrection : public ::testing::Test {
@@ -78,6 +81,18 @@ TEST_F(EdgeCorrection, WhatTheRigFileStatesIsTakenAndNotMeasured) {
   EXPECT_NEAR(
       inset_px(plain.images[0].detections[0].corners, stated.images[0].detections[0].corners), 0.2,
       1e-3);
+}
+
+TEST(StatedEdges, AreABiasOrASigmaBelowWhatImagesTell) {
+  RigCamera camera = open_rig().cameras[0];
+  EXPECT_FALSE(states_edges(camera));
+  camera.edge_bias_px = 0;
+  EXPECT_TRUE(states_edges(camera));
+  camera.edge_bias_px.reset();
+  camera.stated_sigmas.edge_px = 0.0051;
+  EXPECT_FALSE(states_edges(camera));
+  camera.stated_sigmas.edge_px = 0.0049;
+  EXPECT_TRUE(states_edges(camera));
 }
 
 TEST_F(EdgeCorrection, ThreadsChangeNothing) {
