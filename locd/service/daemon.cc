@@ -225,21 +225,25 @@ void Daemon::Parts::end_alerts_of_replaced(const MapIdentity& replaced, Stamp no
   standing = std::move(kept);
 }
 
+void Daemon::Parts::tell_present(status_t& told) const {
+  told.version = options.version;
+  told.map_markers = static_cast<std::int32_t>(marker_count(setup));
+  told.reload_refused = last_reload ? "" : last_reload.error().message;
+  told.quarantined_markers = static_cast<std::int32_t>(unused.quarantined());
+  const Recorder::State recording = recorder.state();
+  told.recording = static_cast<std::int8_t>(recording.running());
+  told.recording_path = recording.running() ? recording.folder.string() : "";
+  told.recorded_sets = static_cast<std::int64_t>(recording.sets);
+  told.recorded_bytes = static_cast<std::int64_t>(recording.bytes);
+  told.recorder_drops = static_cast<std::int64_t>(recording.drops);
+  told.map_hash = telemetry.session().map_hash;
+}
+
 void Daemon::Parts::publish_status(Stamp now) {
   const std::string poses = telemetry.take_pose_summary(now - last_status);
   report.fill(cameras, localization.counts(), now - last_status, status);
   last_status = now;
-  status.version = options.version;
-  status.map_markers = static_cast<std::int32_t>(marker_count(setup));
-  status.reload_refused = last_reload ? "" : last_reload.error().message;
-  status.quarantined_markers = static_cast<std::int32_t>(unused.quarantined());
-  const Recorder::State recording = recorder.state();
-  status.recording = static_cast<std::int8_t>(recording.running());
-  status.recording_path = recording.running() ? recording.folder.string() : "";
-  status.recorded_sets = static_cast<std::int64_t>(recording.sets);
-  status.recorded_bytes = static_cast<std::int64_t>(recording.bytes);
-  status.recorder_drops = static_cast<std::int64_t>(recording.drops);
-  status.map_hash = telemetry.session().map_hash;
+  tell_present(status);
   status.text = StatusReport::text(status, poses);
   if (const auto trouble = quarantine_file->trouble(); !trouble.empty()) {
     status.text += "; " + trouble;

@@ -74,6 +74,8 @@ struct Daemon::Parts {
   void publish_and_log(const Alert& alert, const MapIdentity& found_with, Stamp now);
   void pass_on(const LocalizationNews& news, Stamp now);
   void end_alerts_of_replaced(const MapIdentity& replaced, Stamp now);
+  /// What is so at this moment, whenever the last report was made.
+  void tell_present(status_t& told) const;
   void publish_status(Stamp now);
   void look_at_link(Stamp now);
   void feed_watchdog(Stamp now);

@@ -96,14 +96,16 @@ void Daemon::Parts::take_requests() {
 }
 
 ControlAnswer Daemon::Parts::describe_status() const {
-  ControlAnswer answer{recordings.status(), json_of(status)};
+  status_t present = status;
+  tell_present(present);
+  ControlAnswer answer{recordings.status(), json_of(present)};
   const LocalizationCounts counts = localization.counts();
   for (std::size_t c = 0; c < answer.more["cameras"].size(); ++c) {
     answer.more["cameras"][c]["markers"] = counts.markers[c];
   }
   const MarkerTally tally = localization.tally();
   answer.more["markers_seen"] = tally.markers();
-  if (status.recording != 0) answer.more["verdict"] = tally.verdict();
+  if (present.recording != 0) answer.more["verdict"] = tally.verdict();
   nlohmann::ordered_json ignored = nlohmann::ordered_json::array();
   for (const MarkerId& marker : unused.ignored()) {
     ignored.push_back({{"id", marker.number}, {"family", name_of(marker.family)}});

@@ -17,7 +17,7 @@ std::string line_for_programs(const ControlReply& reply) {
   line["ok"] = reply.has_value();
   if (reply) {
     line["text"] = in_one_line(reply->text);
-    line.update(reply->more);
+    if (reply->more.is_object()) line.update(reply->more);
   } else {
     line["code"] = reply.error().exit_code();
     line["text"] = reply.error().message;

@@ -15,10 +15,10 @@ namespace waymark {
 struct VariableCalibration {
   bool extrinsics = false;  ///< rig_from_cam of every camera but each rig's first
   bool intrinsics = false;  ///< fu fv pu pv and the lens's coefficients of every camera
+  bool sizes = false;       ///< one factor per stated size
+  bool edge_bias = false;   ///< how far each camera's edges lie outside (px), all alike
   /// With intrinsics: whether a lens stated straight may bend (radtan), or stays straight.
   bool straight_lenses_bend = true;
-  bool sizes = false;      ///< one factor per stated size
-  bool edge_bias = false;  ///< how far each camera's edges lie outside (px), all alike
 
   [[nodiscard]] bool any() const { return extrinsics || intrinsics || sizes || edge_bias; }
 };

@@ -12,7 +12,8 @@ namespace {
 constexpr double kQuantile = 0.9;
 
 BundleProblem all_variable(BundleProblem problem) {
-  problem.scope.variable = {true, true, true, true};
+  problem.scope.variable = {
+      .extrinsics = true, .intrinsics = true, .sizes = true, .edge_bias = true};
   return problem;
 }
 

@@ -24,7 +24,7 @@ def check(work, locd, locdctl, mapbuilder, simulator):
     def quietly(*command):
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
-    quietly(simulator, "detections", "--scene", "room1", "--rig", "mono", "-o", work / "capture")
+    quietly(simulator, "detections", "--scene", "room1", "--rig", "cg60", "-o", work / "capture")
     quietly(mapbuilder, "build", work / "capture", "-o", work / "hall.map")
     (work / "locd.toml").write_text("""
 [map]
@@ -35,11 +35,11 @@ camchain = "capture/rig.yaml"
 url = "memq://"
 [record]
 min_free_bytes = 0
-[[camera]]
-name = "cam0"
+""" + "".join(f"""[[camera]]
+name = "cam{i}"
 driver = "replay"
 device = "capture"
-""", encoding="utf-8")
+""" for i in range(3)), encoding="utf-8")
     environment = {**os.environ, "RUNTIME_DIRECTORY": str(work), "STATE_DIRECTORY": str(work)}
 
     def ask(*arguments, code=0):
@@ -66,8 +66,8 @@ device = "capture"
 
 def check_requests(work, ask):
     assert "not recording" in ask("status").stdout
-    assert json.loads(ask("--json", "status").stdout)["map_markers"] > 10
     ask("mark", "nothing is recorded", code=69)
+    assert json.loads(ask("--json", "status").stdout)["map_markers"] > 10
     folder = pathlib.Path(ask("start", "hall3").stdout.strip())
     assert folder.parent == work / "recordings" and folder.name.endswith("-hall3"), folder
     ask("start", code=64)
