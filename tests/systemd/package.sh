@@ -48,5 +48,7 @@ for file in ./usr/share/man/man1/mapbuilder.1.gz ./usr/share/man/man1/simulator.
   ./usr/share/bash-completion/completions/mapbuilder; do
   grep -qxF "$file" tools_files || { echo "waymark-tools lacks $file"; exit 1; }
 done
-dpkg-deb --fsys-tarfile waymark-referees_*.deb | tar -t | grep -qxF ./usr/lib/waymark/modules/libwaymark_referees.so
-dpkg-deb --fsys-tarfile waymark-video_*.deb | tar -t | grep -qxF ./usr/lib/waymark/modules/libwaymark_video.so
+dpkg-deb --fsys-tarfile waymark-referees_*.deb | tar -t >referees_files
+grep -qxF ./usr/lib/waymark/modules/libwaymark_referees.so referees_files
+dpkg-deb --fsys-tarfile waymark-video_*.deb | tar -t >video_files
+grep -qxF ./usr/lib/waymark/modules/libwaymark_video.so video_files
