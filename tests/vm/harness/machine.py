@@ -103,6 +103,10 @@ class Machine:
             processes.end(group, self.run, signal.SIGKILL)
             self.pid_file.unlink()
 
+    def has_panicked(self):
+        """Whether the console's log ends with a kernel's panic, whose last line tells the kernel's offset."""
+        return "Kernel Offset: " in self.last_words()
+
     def last_words(self):
         """The end of the console's log, for a message."""
         if not self.console.exists():
