@@ -89,7 +89,10 @@ def run_scenario(name, world):
             raise
         traceback.print_exc()
         print("\nThe guest's kernel has panicked; once more:\n" + world.machine.last_words())
-        scenario_named(name)(load(sys.argv[1]))
+        world.machine.kill()
+        again = load(sys.argv[1])
+        print(again.boot())
+        scenario_named(name)(again)
 
 
 def main():
