@@ -51,7 +51,7 @@ std::string raised_text(const Alert& alert, const std::string& marker, const std
           "{} gives images that it gave before; they are not used; restart the camera", camera);
     case AlertKind::image_unsearched:
       return fmt::format(
-          "{}'s images can't be searched for markers: OpenCV fails on each; they are not used; "
+          "{}'s images can't be searched for markers: each fails; they are not used; "
           "please report it, with a recording",
           camera);
     case AlertKind::image_dark:

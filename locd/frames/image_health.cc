@@ -88,6 +88,19 @@ ImageHealth::ImageHealth(std::size_t cameras, const ImageHealthOptions& options)
   WAYMARK_CHECK(options.check().has_value());
 }
 
+CameraMask ImageHealth::look(const FrameSetLease& set, std::vector<Alert>& alerts) {
+  for (std::size_t c = 0; c < cameras_.size(); ++c) {
+    if (!set.has(c)) continue;
+    const Frame& frame = set.frames[c];
+    if (frame.has_image()) {
+      look(c, frame.image(), frame.stamp(), alerts);
+    } else if (frame.detections() != nullptr) {
+      look(c, frame.detections()->detections, frame.stamp(), alerts);
+    }
+  }
+  return set.cameras & ~unhealthy() & ~repeated();
+}
+
 void ImageHealth::look(std::size_t camera, const GrayView& image, Stamp stamp,
                        std::vector<Alert>& alerts) {
   compare(camera, hash_of(image), stamp, alerts);

@@ -10,6 +10,7 @@
 #include "core/capture/gray_image.h"
 #include "locd/alert.h"
 #include "locd/camera_mask.h"
+#include "locd/frames/frame_synchronizer.h"
 
 namespace waymark {
 
@@ -45,6 +46,8 @@ class ImageHealth {
   /// Images of a camera that its next one is compared with: the last different ones.
   static constexpr std::size_t kRemembered = 16;
 
+  /// All that a set has, by images or detections; the cameras whose frames can be used.
+  CameraMask look(const FrameSetLease& set, std::vector<Alert>& alerts);
   /// One camera's next image; says what began or ended.
   void look(std::size_t camera, const GrayView& image, Stamp stamp, std::vector<Alert>& alerts);
   /// The same where detections come in place of an image: frozen and stale are told by them. Of

@@ -20,7 +20,7 @@ void MarkerSearch::search(const FrameSetLease& set, std::span<const MarkerId> ig
                           PoseEstimate& estimate) {
   alerts_.clear();
   estimate.reset(PoseReason::no_map, set);
-  look_at_images(set);
+  usable_ = health_.look(set, alerts_);
   detector_.detect(set, usable_);
   detection_watch_.look(detector_.searched(), detector_.failed(), estimate.stamp, alerts_);
   for (std::size_t camera = 0; camera < rig_.cameras.size(); ++camera) {
@@ -40,19 +40,6 @@ void MarkerSearch::search(const FrameSetLease& set, std::span<const MarkerId> ig
       }
     }
   }
-}
-
-void MarkerSearch::look_at_images(const FrameSetLease& set) {
-  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
-    if (!set.has(c)) continue;
-    const Frame& frame = set.frames[c];
-    if (frame.has_image()) {
-      health_.look(c, frame.image(), frame.stamp(), alerts_);
-    } else if (frame.detections() != nullptr) {
-      health_.look(c, frame.detections()->detections, frame.stamp(), alerts_);
-    }
-  }
-  usable_ = set.cameras & ~health_.unhealthy() & ~health_.repeated();
 }
 
 }  // namespace waymark

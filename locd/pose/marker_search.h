@@ -33,8 +33,6 @@ class MarkerSearch {
   [[nodiscard]] CameraMask unhealthy() const { return health_.unhealthy(); }
 
  private:
-  void look_at_images(const FrameSetLease& set);
-
   Rig rig_;
   FrameDetector detector_;
   ImageHealth health_;

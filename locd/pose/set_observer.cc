@@ -23,7 +23,7 @@ SetObserver::SetObserver(const Rig& rig, const MapIndex& map, const LocalizerOpt
 
 void SetObserver::look(const FrameSetLease& set, const std::optional<MotionPrediction>& predicted,
                        PoseEstimate& estimate, std::vector<Alert>& alerts) {
-  look_at_images(set, alerts);
+  usable_ = health_.look(set, alerts);
   find_markers(set, predicted);
   detection_watch_.look(detector_.searched(), detector_.failed(), estimate.stamp, alerts);
   unhealthy_frames_ = set.cameras & ~usable_;
@@ -39,19 +39,6 @@ void SetObserver::look(const FrameSetLease& set, const std::optional<MotionPredi
     });
     estimate.markers_seen += before ? 0 : 1;
   }
-}
-
-void SetObserver::look_at_images(const FrameSetLease& set, std::vector<Alert>& alerts) {
-  for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
-    if (!set.has(c)) continue;
-    const Frame& frame = set.frames[c];
-    if (frame.has_image()) {
-      health_.look(c, frame.image(), frame.stamp(), alerts);
-    } else if (frame.detections() != nullptr) {
-      health_.look(c, frame.detections()->detections, frame.stamp(), alerts);
-    }
-  }
-  usable_ = set.cameras & ~health_.unhealthy() & ~health_.repeated();
 }
 
 void SetObserver::find_markers(const FrameSetLease& set,

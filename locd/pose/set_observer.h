@@ -62,7 +62,6 @@ class SetObserver {
     std::size_t index;  ///< among its camera's detections
     double area_px2;
   };
-  void look_at_images(const FrameSetLease& set, std::vector<Alert>& alerts);
   void find_markers(const FrameSetLease& set, const std::optional<MotionPrediction>& predicted);
   void find_candidates(const FrameSetLease& set);
   void observe(const Candidate& candidate, PoseEstimate& estimate);

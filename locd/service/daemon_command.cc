@@ -57,8 +57,8 @@ std::optional<DeviceMonitor> open_device_monitor() {
   return std::nullopt;
 }
 
-/// What detecting markers in all of the rig's images takes (bytes): OpenCV's own images and lists,
-/// measured at 9 to 11 bytes a pixel of a set, and some room; and what a recording takes, its sets
+/// What detecting markers in all of the rig's images takes (bytes): at most the 9 to 11 bytes a
+/// pixel of a set that were measured of OpenCV's detector, whose place ours has taken; and what a recording takes, its sets
 /// under way and one encoded.
 std::size_t heap_needed(const Rig& rig) {
   constexpr std::size_t kBytesPerPixel = 13 + Recorder::kSlots + 1;

@@ -201,9 +201,7 @@ class RigCalibrator {
     finding.text = fmt::format(
         "no rig fits these images: the worst camera misses by {} where each marker alone fits to "
         "{:.2f} px.",
-        std::isfinite(quality.worst_camera_px) ? fmt::format("{:.1f} px", quality.worst_camera_px)
-                                               : std::string("more than half of its markers"),
-        quality.own_px);
+        worst_camera_text(quality), quality.own_px);
     finding.remedy =
         "Check stamps (one clock for all cameras), sizes and ids in markers.toml, and that no "
         "camera moved on the rig; calibrate each camera alone.";

@@ -6,9 +6,7 @@
 #include <chrono>
 #include <set>
 
-#include "core/base/atomic_file.h"
 #include "core/base/output_check.h"
-#include "core/camera/kalibr.h"
 #include "core/map/map_check.h"
 #include "core/map/map_file.h"
 #include "core/map/quarantine.h"
@@ -16,6 +14,7 @@
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/build/trajectory_file.h"
 #include "mapbuilder/commands/build_summary.h"
+#include "mapbuilder/commands/improved_rig.h"
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/baseline_units.h"
 #include "mapbuilder/diagnosis/build_findings.h"
@@ -63,22 +62,12 @@ std::optional<Family> only_stated_family(const std::vector<DetectedCapture>& cap
   return families.only();
 }
 
-/// Where the first rig goes that images have improved, refined or with its edges measured: as asked
-/// for, else MAP's name with .yaml; nullopt when none is.
-std::optional<fs::path> refined_rig_path(const BuildCommandOptions& options) {
-  const VariableCalibration& refine = options.build.refine;
-  if (!refine.extrinsics && !refine.intrinsics && !options.input.detect.correct_edges) {
-    return std::nullopt;
-  }
-  return options.refined_rig.value_or(fs::path(options.output).replace_extension(".yaml"));
-}
-
 /// Says before the long work what could not be written after it. The map alone may take the place
 /// of the earlier one (--frame-of hall.map -o hall.map).
 Status check_outputs(const BuildCommandOptions& options) {
   std::vector<fs::path> outputs{options.output};
   if (options.trajectory) outputs.push_back(*options.trajectory);
-  const auto refined_rig = refined_rig_path(options);
+  const auto refined_rig = asked_rig_path(options);
   if (refined_rig) outputs.push_back(*refined_rig);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     if (auto writable = check_writable(outputs[i]); !writable) return writable;
@@ -102,35 +91,6 @@ Status check_outputs(const BuildCommandOptions& options) {
     return differ;
   }
   if (options.report) return check_report_folder(*options.report);
-  return {};
-}
-
-/// The rig as refined, with what was measured of its edges.
-Rig improved_rig(RigIndex rig, const Calibration& calibration, const Observations& observations) {
-  Rig improved = calibration.rigs[rig];
-  const std::size_t first = observations.first_camera[rig].value();
-  for (std::size_t c = 0; c < improved.cameras.size(); ++c) {
-    const auto& edges = observations.edges[CameraIndex(first + c)];
-    if (!edges) continue;
-    RigCamera& camera = improved.cameras[c];
-    camera.edge_bias_px = edges->bias_px;
-    camera.stated_sigmas.edge_px = edges->sigma_px;
-    if (!camera.response) camera.response = edges->response;
-  }
-  return improved;
-}
-
-/// The improved rigs as camchains, numbered from the second on.
-Status write_refined_rigs(const fs::path& first, const Calibration& calibration,
-                          const Observations& observations, bool refined, std::ostream& out) {
-  for (const RigIndex rig : calibration.rigs.indices()) {
-    const std::size_t i = rig.value();
-    const fs::path path = i == 0 ? first : path_beside(first, std::to_string(i));
-    const std::string text = format_camchain(improved_rig(rig, calibration, observations));
-    if (auto written = write_file_atomically(path, text); !written) return written;
-    print_line(out, "{}: {}", path.string(),
-               refined ? "refined rig" : "rig with its measured edges, for locd");
-  }
   return {};
 }
 
@@ -285,17 +245,12 @@ std::vector<Finding> findings_of(const BuildCommandOptions& options, const Build
   return findings;
 }
 
-/// Map, refined rig and trajectories, each in its place.
+/// Map, improved rigs and trajectories, each in its place.
 Status write_results(const BuildCommandOptions& options, const BuildResult& result,
-                     const Observations& observations, std::ostream& out) {
+                     const Observations& observations, std::ostream& out, std::ostream& notes) {
   if (auto written = write_map_file(options.output, result.map); !written) return written;
-  const bool refined = result.calibration.refined;
-  const auto& edges = observations.edges.values();
-  const bool measured = std::any_of(edges.begin(), edges.end(), [](const auto& e) { return !!e; });
-  if (const auto path = refined_rig_path(options); path && (refined || measured)) {
-    auto written =
-        write_refined_rigs(*path, result.estimate.calibration, observations, refined, out);
-    if (!written) return written;
+  if (auto written = write_improved_rigs(options, result, observations, out, notes); !written) {
+    return written;
   }
   if (!options.trajectory) return {};
   for (std::size_t i = 0; i < result.submaps.size(); ++i) {
@@ -386,7 +341,7 @@ Status run_build(const BuildCommandOptions& options, Progress& progress, std::os
   }
   const bool stands = may_stand(findings, options.rules);
   const fs::path rejected = rejected_path(options.output);
-  if (auto written = stands ? write_results(options, result, observations, out)
+  if (auto written = stands ? write_results(options, result, observations, out, notes)
                             : write_map_file(rejected, result.map);
       !written) {
     return written;

@@ -81,9 +81,7 @@ Finding unexplained_misfit(const FitQuality& quality) {
   finding.text = fmt::format(
       "the images of the worst camera miss it by {} where each marker alone fits to {:.2f} px, and "
       "no single cause explains that: no marker is judged.",
-      std::isfinite(quality.worst_camera_px) ? fmt::format("{:.1f} px", quality.worst_camera_px)
-                                             : std::string("more than half of its markers"),
-      quality.own_px);
+      worst_camera_text(quality), quality.own_px);
   finding.remedy =
       "Check rig.yaml, the stamps, and sizes and ids in markers.toml; build each camera alone with "
       "--mono.";

@@ -1,5 +1,7 @@
 #include "mapbuilder/diagnosis/fit_quality.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -55,6 +57,11 @@ double joint_residual_px2(const Observations& observations, const Estimate& esti
       corner_residuals(observation, estimate.calibration.camera(observations, o).model,
                        cam_from_marker(observations, estimate, o));
   return residuals ? sum_of_squares(*residuals) : kFar;
+}
+
+std::string worst_camera_text(const FitQuality& quality) {
+  if (!std::isfinite(quality.worst_camera_px)) return "more than half of its markers";
+  return fmt::format("{:.1f} px", quality.worst_camera_px);
 }
 
 bool is_poor(const FitQuality& mono) {

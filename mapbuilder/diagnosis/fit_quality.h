@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "mapbuilder/build/map_builder.h"
 
@@ -27,6 +28,9 @@ struct FitQuality {
 /// A build that misses by more than this (px) is poor whatever the yardstick says: a lens that is
 /// far from the stated one spoils markers' own poses, too.
 inline constexpr double kPoorFit_px = 0.4;
+
+/// By how much the worst camera misses: "7.9 px", or in words where that is infinite.
+[[nodiscard]] std::string worst_camera_text(const FitQuality& quality);
 
 /// Of images each on its own: something is left that these do not fit either.
 [[nodiscard]] bool is_poor(const FitQuality& mono);
