@@ -58,8 +58,8 @@ std::optional<DeviceMonitor> open_device_monitor() {
 }
 
 /// What detecting markers in all of the rig's images takes (bytes): at most the 9 to 11 bytes a
-/// pixel of a set that were measured of OpenCV's detector, whose place ours has taken; and what a recording takes, its sets
-/// under way and one encoded.
+/// pixel of a set that were measured of OpenCV's detector, whose place ours has taken; and what a
+/// recording takes, its sets under way and one encoded.
 std::size_t heap_needed(const Rig& rig) {
   constexpr std::size_t kBytesPerPixel = 13 + Recorder::kSlots + 1;
   std::size_t pixels = 0;

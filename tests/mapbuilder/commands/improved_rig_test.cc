@@ -24,9 +24,7 @@ class ImprovedRig : public ::testing::Test {
     options_.output = folder_.path() / "hall.map";
   }
 
-  Status write() {
-    return write_improved_rigs(options_, result_, observations_, out_, notes_);
-  }
+  Status write() { return write_improved_rigs(options_, result_, observations_, out_, notes_); }
 
   TemporaryFolder folder_;
   BuildCommandOptions options_;
