@@ -31,6 +31,8 @@ class ConsiderPose {
  public:
   /// For priors of so many cameras, sizes and modes as this one.
   explicit ConsiderPose(const CalibrationPrior& prior);
+  /// For so many observations: with fewer it allocates nothing.
+  void reserve(std::size_t observations) { left_.reserve(observations); }
 
   /// At the observations' linearization. `velocity_covariance`: of the velocity that they were
   /// moved by; of no meaning where all corners are of the pose's own instant. False: they don't
@@ -40,14 +42,23 @@ class ConsiderPose {
 
   /// From the linearization to the optimum (Rigid3's tangent).
   [[nodiscard]] Vector6d step() const { return x_.head<6>(); }
-  [[nodiscard]] Matrix6d covariance() const { return inverse_.topLeftCorner<6, 6>(); }
+  [[nodiscard]] Matrix6d covariance() const { return of_motion_.topLeftCorner<6, 6>(); }
   [[nodiscard]] Vector6d velocity_step() const { return x_.segment<6>(6); }
-  [[nodiscard]] Matrix6d velocity_covariance() const { return inverse_.block<6, 6>(6, 6); }
+  [[nodiscard]] Matrix6d velocity_covariance() const {
+    return of_motion_.bottomRightCorner<6, 6>();
+  }
   /// What is left at the optimum, the prior's share included: χ² of `freedoms()` where all is well.
   [[nodiscard]] double misfit() const { return misfit_; }
   [[nodiscard]] int freedoms() const { return freedoms_; }
+
+  // Of the last solve's observations, by their place among them; they must still be there.
+
   /// How the pose follows an observation's residual, in its whitened units.
-  [[nodiscard]] Eigen::Matrix<double, 6, 8> gain(const ConsideredObservation& observation) const;
+  [[nodiscard]] const Eigen::Matrix<double, 6, 8>& gain(std::size_t observation) const {
+    return left_[observation].gain;
+  }
+  /// χ² of 8 freedoms of one observation, held against the pose of all others.
+  [[nodiscard]] double squared_sigmas(std::size_t observation) const;
   /// The pose of the last solve without some of the observations that carry it, from the same
   /// linearization. Exact: what they say is taken out of the normal equations.
   struct Subset {
@@ -56,60 +67,57 @@ class ConsiderPose {
   };
   /// nullopt: what is left determines no pose. Of one observation in closed form, of several by a
   /// factorization.
-  [[nodiscard]] std::optional<Subset> without(
-      std::span<const ConsideredObservation* const> left_out);
-  /// χ² of 8 freedoms of one observation, held against the pose of all others.
-  [[nodiscard]] double squared_sigmas(const ConsideredObservation& observation) const;
+  [[nodiscard]] std::optional<Subset> without(std::span<const std::size_t> left_out);
 
  private:
-  static constexpr int kOwn = 12 + kCalibrationNumbers + 1;
-  static constexpr int kMostTouched = kOwn + kMapModes;
+  static constexpr int kMotion = 12;  ///< pose, then velocity
+  static constexpr int kOwn = kMotion + kCalibrationNumbers + 1;
   /// By pose and velocity, by its camera's numbers, by its size.
   using OwnColumns = Eigen::Matrix<double, 8, kOwn>;
-  /// The same, then by modes.
-  using Columns = Eigen::Matrix<double, 8, Eigen::Dynamic, 0, 8, kMostTouched>;
   /// Some numbers that an observation touches: where they stand among its own, in the system and
   /// in the prior.
   struct Part {
     Eigen::Index own, at, count;
   };
-  using Parts = std::array<Part, 4>;
-  /// The numbers that an observation touches, side by side, and their covariance.
-  struct Touched {
-    Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostTouched, 1> value;
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostTouched, kMostTouched> covariance;
-  };
-  /// What an observation leaves at the optimum, and how far its own say moves the covariance of
-  /// that: J C Jᵀ.
+  using Parts = std::array<Part, 3>;
+  /// What an observation leaves at the optimum, how far its own say moves the covariance of that
+  /// (J C Jᵀ), and how the pose follows it.
   struct Left {
     Vector8d residual;
     Matrix8d of_pose;
+    Eigen::Matrix<double, 6, 8> gain;
   };
-  [[nodiscard]] Left left_by(const ConsideredObservation& observation) const;
-  [[nodiscard]] std::optional<Subset> without_one(const ConsideredObservation& observation) const;
+  [[nodiscard]] Left left_by(const ConsideredObservation& observation);
+  [[nodiscard]] std::optional<Subset> without_one(std::size_t observation) const;
+  [[nodiscard]] std::optional<Subset> without_several(std::span<const std::size_t> left_out);
   [[nodiscard]] Parts parts_of(const ConsideredObservation& observation) const;
-  [[nodiscard]] Touched touched_by(const ConsideredObservation& observation) const;
   [[nodiscard]] static OwnColumns own_columns_of(const ConsideredObservation& observation);
-  [[nodiscard]] Columns columns_of(const ConsideredObservation& observation) const;
+  void invert_prior(const CalibrationPrior& prior);
   void begin(std::span<const ConsideredObservation> observations, const CalibrationPrior& prior,
              const Matrix6d& velocity_covariance);
   /// Adds JᵀJ and Jᵀy of one observation where its numbers stand; `sign` −1 takes them out.
   void add(const ConsideredObservation& observation, double sign = 1);
 
+  std::span<const ConsideredObservation> observations_;
   std::vector<Eigen::Index> slot_;  ///< of each camera, −1: sees nothing
   std::vector<Eigen::Index> kept_;  ///< of the prior's numbers those in the system, in its order
   Eigen::Index first_size_ = 0;     ///< where sizes begin in the system
   Eigen::Index first_mode_ = 0;
   Eigen::Index modes_ = 0;
   Eigen::Index size_ = 0;  ///< of the system
-  Eigen::MatrixXd hessian_;
+  Eigen::MatrixXd hessian_;      ///< and its factor
   Eigen::MatrixXd information_;  ///< of the last solve, before it was factored
-  Eigen::MatrixXd columns_;      ///< right-hand sides of without()
-  Eigen::MatrixXd inverse_;
-  Eigen::MatrixXd prior_;
+  Eigen::MatrixXd columns_;      ///< right-hand sides
+  Eigen::MatrixXd half_;         ///< L⁻¹ of the motion's unit vectors: half of its covariance
+  Eigen::Matrix<double, kMotion, kMotion> of_motion_;  ///< covariance
+  Eigen::MatrixXd prior_;  ///< covariance of the numbers in the system
+  Eigen::MatrixXd factor_;
+  Eigen::MatrixXd prior_information_;  ///< its inverse
+  Eigen::Index inverted_ = 0;          ///< numbers of it
   Eigen::VectorXd right_;
   Eigen::VectorXd evidence_;  ///< right_ of the last solve
   Eigen::VectorXd x_;
+  std::vector<Left> left_;
   double misfit_ = 0;
   int freedoms_ = 0;
 };

@@ -22,13 +22,15 @@ struct PoseOptimum {
 /// Inverse of a pose's Hessian; nullopt where it has none that could be told from rounding.
 [[nodiscard]] std::optional<Matrix6d> pose_covariance(const Matrix6d& hessian);
 
-/// Levenberg–Marquardt over one pose; `linearize(pose)` gives the PoseEquations there.
-template <typename Linearize>
+/// Levenberg–Marquardt over one pose; `linearize(pose)` gives the PoseEquations there. Nullopt where
+/// `minimize` gives none.
+template <typename Linearize, typename GivenUp = ToTheEnd>
 [[nodiscard]] std::optional<PoseOptimum> minimize_pose(const Rigid3& start, int max_iterations,
-                                                       const Linearize& linearize) {
-  const auto optimum =
-      minimize<6>(start, {.max_iterations = max_iterations}, linearize,
-                  [](const Rigid3& pose, const Vector6d& step) { return pose.plus(step); });
+                                                       const Linearize& linearize,
+                                                       const GivenUp& given_up = {}) {
+  const auto optimum = minimize<6>(
+      start, {.max_iterations = max_iterations}, linearize,
+      [](const Rigid3& pose, const Vector6d& step) { return pose.plus(step); }, given_up);
   if (!optimum) return std::nullopt;
   const PoseEquations& equations = optimum->equations;
   return PoseOptimum{optimum->place, equations.cost, pose_covariance(equations.hessian)};

@@ -131,11 +131,12 @@ void RigPoseSolver::collect_candidates(std::span<const FixedMarkerObservation> o
   sort_by_score(candidates_);
 }
 
+template <typename GivenUp>
 std::optional<PoseOptimum> RigPoseSolver::refine(
     std::span<const FixedMarkerObservation> observations, const Rigid3& start,
-    const ObservationLoss& loss) const {
+    const ObservationLoss& loss, const GivenUp& given_up) const {
   WAYMARK_CHECK(loss.check().has_value());
-  return minimize_pose(start, options_.max_iterations, [&](const Rigid3& world_from_rig) {
+  const auto linearize = [&](const Rigid3& world_from_rig) {
     PoseEquations equations;
     for (const FixedMarkerObservation& fixed : observations) {
       add_observation(*fixed.observation,
@@ -143,6 +144,19 @@ std::optional<PoseOptimum> RigPoseSolver::refine(
                       loss, FreePose::rig, equations);
     }
     return equations;
+  };
+  return minimize_pose(start, options_.max_iterations, linearize, given_up);
+}
+
+std::optional<PoseOptimum> RigPoseSolver::refine(
+    std::span<const FixedMarkerObservation> observations, const Rigid3& start,
+    const ObservationLoss& loss) const {
+  return refine(observations, start, loss, ToTheEnd{});
+}
+
+bool RigPoseSolver::beside_known(const Rigid3& world_from_rig) const {
+  return std::any_of(optima_.begin(), optima_.end(), [&](const PoseOptimum& known) {
+    return same(known.pose, world_from_rig);
   });
 }
 
@@ -167,15 +181,16 @@ std::optional<RigPoseEstimate> RigPoseSolver::solve(
   for (const Candidate& candidate : candidates_) {
     if (starts_.size() == static_cast<std::size_t>(options_.max_refined)) break;
     // A start beside one already taken, or beside an optimum, leads nowhere else.
-    const bool repeated =
-        std::any_of(starts_.begin(), starts_.end(),
-                    [&](const Rigid3& taken) { return same(taken, candidate.world_from_rig); }) ||
-        std::any_of(optima_.begin(), optima_.end(), [&](const PoseOptimum& known) {
-          return same(known.pose, candidate.world_from_rig);
-        });
-    if (repeated) continue;
+    const bool taken = std::any_of(starts_.begin(), starts_.end(), [&](const Rigid3& start) {
+      return same(start, candidate.world_from_rig);
+    });
+    if (taken || beside_known(candidate.world_from_rig)) continue;
     starts_.push_back(candidate.world_from_rig);
-    if (const auto optimum = refine(observations, starts_.back())) keep_optimum(*optimum);
+    const auto optimum =
+        refine(observations, starts_.back(), options_.loss, [&](const Rigid3& place) {
+          return options_.give_up_beside_known && beside_known(place);
+        });
+    if (optimum) keep_optimum(*optimum);
   }
   if (optima_.empty()) return std::nullopt;
   // Ranked by score, not by Huber's cost: one wrong marker behind a camera must not outweigh three

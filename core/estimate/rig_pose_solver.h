@@ -36,6 +36,9 @@ struct RigPoseOptions {
   int max_seed_observations = 64;  ///< (1–1000) give candidates; of more, the largest in the image
   int max_refined = 4;             ///< (2–50) candidates that are optimized
   int max_iterations = 30;         ///< (1–200) of Levenberg–Marquardt
+  /// A start that comes beside an optimum that is known is given up: quicker, and of two places
+  /// less than `distinct` apart the first found is taken, not the lower.
+  bool give_up_beside_known = false;
   /// The runner-up explains the data too when its score exceeds the best's by less (sigmas²): 20 is
   /// the 99.7 % quantile of χ² with 6 degrees of freedom. (0–1000)
   double ambiguity_gap = 20.0;
@@ -118,6 +121,11 @@ class RigPoseSolver {
   [[nodiscard]] double score(std::span<const FixedMarkerObservation> observations,
                              const Rigid3& world_from_rig) const;
   [[nodiscard]] bool same(const Rigid3& a, const Rigid3& b) const;
+  [[nodiscard]] bool beside_known(const Rigid3& world_from_rig) const;
+  template <typename GivenUp>
+  [[nodiscard]] std::optional<PoseOptimum> refine(
+      std::span<const FixedMarkerObservation> observations, const Rigid3& start,
+      const ObservationLoss& loss, const GivenUp& given_up) const;
   void keep_optimum(const PoseOptimum& optimum);
 
   RigPoseOptions options_;

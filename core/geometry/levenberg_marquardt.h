@@ -31,13 +31,22 @@ struct LocalOptimum {
   NormalEquations<N> equations;
 };
 
+/// Goes on to the optimum wherever it comes past.
+struct ToTheEnd {
+  template <typename Place>
+  bool operator()(const Place& /*place*/) const {
+    return false;
+  }
+};
+
 /// Levenberg–Marquardt over a few unknowns. `linearize(place)` gives the NormalEquations<N> there,
 /// `moved(place, step)` the place a step away; steps that raise the cost are taken back. nullopt
-/// when fewer than three corners can be evaluated at the start. No allocation.
-template <int N, typename Place, typename Linearize, typename Moved>
+/// when fewer than three corners can be evaluated at the start, or where it comes to a place of
+/// which `given_up(place)` holds. No allocation.
+template <int N, typename Place, typename Linearize, typename Moved, typename GivenUp = ToTheEnd>
 [[nodiscard]] std::optional<LocalOptimum<N, Place>> minimize(
     const Place& start, const LevenbergMarquardtOptions& options, const Linearize& linearize,
-    const Moved& moved) {
+    const Moved& moved, const GivenUp& given_up = {}) {
   constexpr int kFewestCorners = 3;
   LocalOptimum<N, Place> here{start, linearize(start)};
   if (here.equations.corners < kFewestCorners) return std::nullopt;
@@ -53,6 +62,7 @@ template <int N, typename Place, typename Linearize, typename Moved>
     const Place next = moved(here.place, step);
     const NormalEquations<N> there = linearize(next);
     if (there.corners >= kFewestCorners && there.cost <= here.equations.cost) {
+      if (given_up(next)) return std::nullopt;
       here = {next, there};
       damping = std::max(1e-9, damping * 0.2);
     } else {

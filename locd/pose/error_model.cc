@@ -178,19 +178,58 @@ void ErrorModel::update(Stamp stamp, std::span<const SetObservation> observation
 
 void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const RobustPose& robust,
                         std::vector<Alert>& alerts) {
-  // Not in the set in which it looks: no set shall take much longer than others.
-  if (back_due_) look_back(set.stamp, alerts);
-  back_due_ = false;
+  if (question_ && explanations_.advance()) answer(set.stamp, alerts);
   make_rows(set, velocity, robust);
   if (rows_.size() < 2 || !evidence_.is_new(rows_)) return;
   evidence_.add(rows_);
   const long sets = evidence_.sets() - forgotten_;
   const bool early = sets == 2 || sets == 4;
-  if (!early && sets % options_.sets_per_look != 0) return;
-  constexpr std::array<int, 6> kWindows{1, 2, 4, 1, 2, 16};
-  look(set.stamp, kWindows[static_cast<std::size_t>(looks_) % kWindows.size()], alerts);
-  ++looks_;
-  back_due_ = looks_ % 3 == 0;
+  look_due_ = look_due_ || early || sets % options_.sets_per_look == 0;
+  if (question_) return;
+  ask();
+  if (!question_ || !early) return;
+  while (!explanations_.advance()) {
+  }
+  answer(set.stamp, alerts);
+}
+
+void ErrorModel::ask() {
+  bool of_verdict = false;
+  if (look_due_) {
+    constexpr std::array<int, 6> kWindows{1, 2, 4, 1, 2, 16};
+    question_ = {kWindows[static_cast<std::size_t>(looks_) % kWindows.size()], std::nullopt};
+    ++looks_;
+    back_due_ = back_due_ || looks_ % 3 == 0;
+    look_due_ = false;
+  } else if (back_due_) {
+    constexpr int kBlocks = 4;
+    question_ = {kBlocks, std::nullopt};
+    back_due_ = false;
+    of_verdict = true;
+  } else {
+    return;
+  }
+  evidence_.sum(question_->blocks, system_);
+  believe_quarantine();
+  if (of_verdict) {
+    if (believed_.empty()) {
+      question_.reset();
+      return;
+    }
+    question_->asked = believed_[static_cast<std::size_t>(looks_ / 3 - 1) % believed_.size()];
+    std::erase(believed_, *question_->asked);
+  }
+  explanations_.begin(system_, prior_, believed_);
+}
+
+void ErrorModel::answer(Stamp stamp, std::vector<Alert>& alerts) {
+  const Question question = *question_;
+  question_.reset();
+  if (question.asked) {
+    judge_verdict(stamp, *question.asked, alerts);
+  } else {
+    judge_explanations(stamp, question.blocks, alerts);
+  }
 }
 
 void ErrorModel::believe_quarantine() {
@@ -216,16 +255,13 @@ bool ErrorModel::nameable(const Score& score) const {
          score.camera.segment<3>(3).norm() >= options_.camera_rad;
 }
 
-/// Lets all explanations of the newest blocks compete.
-void ErrorModel::look(Stamp stamp, int blocks, std::vector<Alert>& alerts) {
+/// Of the newest blocks: which explanation is the clear winner, if any.
+void ErrorModel::judge_explanations(Stamp stamp, int blocks, std::vector<Alert>& alerts) {
   const unsigned window = 1U << static_cast<unsigned>(blocks);
   undecided_ &= ~window;
-  evidence_.sum(blocks, system_);
-  believe_quarantine();
-  const auto scores = explanations_.judge(system_, prior_, believed_);
   const Score* best = nullptr;
   const Score* next = nullptr;
-  for (const Score& score : scores) {
+  for (const Score& score : explanations_.scores()) {
     if (std::find(believed_.begin(), believed_.end(), score.what) != believed_.end()) continue;
     (best == nullptr ? best : next) = &score;
     if (next != nullptr) break;
@@ -259,22 +295,15 @@ bool ErrorModel::contradicted_by_block(int age, const Explanation& what) {
   return !beside || beside->gain < options_.lead;
 }
 
-/// Asks one verdict again, as if it had not been given.
-void ErrorModel::look_back(Stamp stamp, std::vector<Alert>& alerts) {
-  constexpr int kBlocks = 4;
-  evidence_.sum(kBlocks, system_);
-  believe_quarantine();
-  if (believed_.empty()) return;
-  const Explanation asked = believed_[static_cast<std::size_t>(looks_ / 3 - 1) % believed_.size()];
-  std::erase(believed_, asked);
-  const auto scores = explanations_.judge(system_, prior_, believed_);
+/// Whether a verdict would be given again.
+void ErrorModel::judge_verdict(Stamp stamp, const Explanation& asked, std::vector<Alert>& alerts) {
   const auto own = explanations_.score_of(asked);
   if (!own || own->views < kViewsToRevoke) return;
   if (own->gain < options_.over_gain) {
     take_back(stamp, asked, alerts);
     return;
   }
-  const Score first = scores.front();
+  const Score first = explanations_.scores().front();
   if (first.what == asked || first.gain < std::max(own->gain, 0.0) + options_.lead) return;
   const bool sure = nameable(first) && !contradicted_by_block(0, first.what) &&
                     !contradicted_by_block(1, first.what);
@@ -332,6 +361,8 @@ void ErrorModel::forget_evidence() {
   evidence_.clear();
   forgotten_ = evidence_.sets();
   waiting_.there = false;
+  question_.reset();
+  look_due_ = back_due_ = false;
   undecided_ = 0;
 }
 

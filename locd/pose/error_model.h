@@ -95,8 +95,16 @@ class ErrorModel {
   void make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust);
   /// Whether a block of sets on its own speaks rather for another explanation, or for none.
   [[nodiscard]] bool contradicted_by_block(int age, const Explanation& what);
-  void look(Stamp stamp, int blocks, std::vector<Alert>& alerts);
-  void look_back(Stamp stamp, std::vector<Alert>& alerts);
+  /// A question to the explanations. Its answer takes some sets: no set shall take much longer than
+  /// others.
+  struct Question {
+    int blocks = 0;                    ///< of evidence
+    std::optional<Explanation> asked;  ///< a verdict, as if it had not been given
+  };
+  void ask();
+  void answer(Stamp stamp, std::vector<Alert>& alerts);
+  void judge_explanations(Stamp stamp, int blocks, std::vector<Alert>& alerts);
+  void judge_verdict(Stamp stamp, const Explanation& asked, std::vector<Alert>& alerts);
   void name_camera(Stamp stamp, const Score& score, std::vector<Alert>& alerts);
   [[nodiscard]] bool nameable(const Score& score) const;
   void name(Stamp stamp, const Score& score, std::vector<Alert>& alerts);
@@ -122,7 +130,9 @@ class ErrorModel {
   Waiting waiting_;
   long forgotten_ = 0;  ///< sets that were gathered and are no more
   int looks_ = 0;
-  bool back_due_ = false;  ///< the next set looks back
+  bool look_due_ = false;
+  bool back_due_ = false;  ///< a verdict is to be asked again
+  std::optional<Question> question_;  ///< that is being answered
 };
 
 }  // namespace waymark

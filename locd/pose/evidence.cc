@@ -31,6 +31,7 @@ Evidence::Evidence(const CalibrationPrior& prior, std::size_t map_markers)
   for (Block& block : blocks_) {
     block.information.setZero(size, size);
     block.evidence.setZero(size);
+    block.parts.reserve(touched_.capacity());
     block.views.assign(kMostMarkers, 0);
     block.sets_of_camera.assign(cameras_, 0);
   }
@@ -47,6 +48,7 @@ void Evidence::begin_block() {
   Block& block = blocks_[static_cast<std::size_t>(newest_)];
   block.information.setZero();
   block.evidence.setZero();
+  block.parts.clear();
   std::fill(block.views.begin(), block.views.end(), 0);
   std::fill(block.sets_of_camera.begin(), block.sets_of_camera.end(), 0);
   block.sets = 0;
@@ -82,8 +84,8 @@ bool Evidence::is_new(std::span<const EvidenceRow> rows) {
   return 2 * fresh >= rows.size() && fresh > 0;
 }
 
-void Evidence::touch(const Part& part) {
-  if (std::find(touched_.begin(), touched_.end(), part) == touched_.end()) touched_.push_back(part);
+void Evidence::touch(const Part& part, std::vector<Part>& parts) {
+  if (std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
 }
 
 void Evidence::add(std::span<const EvidenceRow> rows) {
@@ -106,7 +108,8 @@ void Evidence::add(std::span<const EvidenceRow> rows) {
     const std::array<Eigen::Index, 3> from{0, kCalibration, kCalibration + 1};
     for (std::size_t a = 0; a < 3; ++a) {
       const auto of_a = columns.middleCols(from[a], parts[a].size);
-      touch(parts[a]);
+      touch(parts[a], touched_);
+      touch(parts[a], block.parts);
       block.evidence.segment(parts[a].at, parts[a].size).noalias() +=
           of_a.transpose() * row.columns.residual;
       cross_.middleCols(parts[a].at, parts[a].size).noalias() +=
@@ -156,7 +159,12 @@ void Evidence::sum(int blocks, System& system) const {
   for (int age = 1; age <= std::min(whole, kBlocks - 1); ++age) {
     const Block& block = block_of(age);
     if (block.sets == 0) continue;
-    system.information += block.information;
+    for (const Part& a : block.parts) {
+      for (const Part& b : block.parts) {
+        system.information.block(a.at, b.at, a.size, b.size) +=
+            block.information.block(a.at, b.at, a.size, b.size);
+      }
+    }
     system.evidence += block.evidence;
     system.sets += block.sets;
     for (std::size_t i = 0; i < kMostMarkers; ++i) system.views[i] += block.views[i];

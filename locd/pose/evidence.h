@@ -57,9 +57,14 @@ class Evidence {
   void block(int age, System& system) const;
 
  private:
+  struct Part {
+    Eigen::Index at, size;
+    bool operator==(const Part&) const = default;
+  };
   struct Block {
     Eigen::MatrixXd information;
     Eigen::VectorXd evidence;
+    std::vector<Part> parts;  ///< of it that are not zero
     std::vector<int> views;
     std::vector<int> sets_of_camera;
     int sets = 0;
@@ -69,11 +74,7 @@ class Evidence {
     return blocks_[static_cast<std::size_t>((newest_ + kBlocks - age) % kBlocks)];
   }
   [[nodiscard]] std::optional<std::size_t> slot_for(std::size_t map_index);
-  struct Part {
-    Eigen::Index at, size;
-    bool operator==(const Part&) const = default;
-  };
-  void touch(const Part& part);
+  static void touch(const Part& part, std::vector<Part>& parts);
 
   std::size_t cameras_;
   Eigen::Index first_size_;

@@ -2,13 +2,16 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
-#include "core/geometry/sliced_products.h"
+#include "core/geometry/dense_products.h"
 
 namespace waymark {
 namespace {
 
+constexpr std::array<AlertKind, 4> kKindsOfCamera{AlertKind::extrinsics_off, AlertKind::lens_off,
+                                                 AlertKind::stamps_skewed, AlertKind::readout_off};
 constexpr double kMoved_m = 0.2;
 constexpr double kTurned_rad = 0.2;
 
@@ -65,10 +68,9 @@ CalibrationVector Explanations::widths_of(AlertKind kind) {
 
 Explanations::Explanations(const CalibrationPrior& prior, const MapIndex& map)
     : map_(map), cameras_(prior.cameras()) {
-  constexpr std::size_t kKindsOfCamera = 4;
   slots_.reserve(Evidence::kMostMarkers);
   own_roots_.reserve(Evidence::kMostMarkers);
-  scores_.reserve(kKindsOfCamera * cameras_ + Evidence::kMostMarkers);
+  scores_.reserve(kKindsOfCamera.size() * cameras_ + Evidence::kMostMarkers);
   const Eigen::Index markers = 6 * static_cast<Eigen::Index>(Evidence::kMostMarkers);
   const Eigen::Index size = prior.numbers() + markers;
   const Eigen::Index freedoms = prior.size() + markers;
@@ -80,13 +82,14 @@ Explanations::Explanations(const CalibrationPrior& prior, const MapIndex& map)
   answered_.setZero(freedoms);
 }
 
-void Explanations::select(const Evidence::System& system, const CalibrationPrior& prior) {
+void Explanations::select() {
+  const Evidence::System& system = *system_;
   slots_.clear();
   for (std::size_t i = 0; i < system.views.size(); ++i) {
     if (system.views[i] > 0) slots_.push_back(i);
   }
-  numbers_ = prior.numbers();
-  shared_ = prior.size();
+  numbers_ = prior_->numbers();
+  shared_ = prior_->size();
   size_ = numbers_ + 6 * static_cast<Eigen::Index>(slots_.size());
   const auto from = [&](std::size_t i) {
     return numbers_ + 6 * static_cast<Eigen::Index>(slots_[i]);
@@ -106,33 +109,35 @@ void Explanations::select(const Evidence::System& system, const CalibrationPrior
   }
 }
 
-bool Explanations::take_roots(const Evidence::System& system, const CalibrationPrior& prior,
-                              std::span<const Explanation> believed) {
+bool Explanations::take_roots() {
   // Numbers, then modes, then what markers follow of the modes.
   auto shared = shared_root_.topRows(shared_);
-  shared = prior.covariance();
-  for (const Explanation& e : believed) {
+  shared = prior_->covariance();
+  // What is wrong with a camera may be more than what was named, or change with the motion: it takes
+  // no part in poses, and nobody else is to explain what it sees.
+  for (const Explanation& e : believed_) {
     if (e.of_marker()) continue;
-    shared.diagonal()
-        .segment<kCalibrationNumbers>(
-            CalibrationPrior::first_of(static_cast<std::size_t>(e.camera)))
-        .array() += (widths_of(e.kind).array() / CalibrationPrior::units().array()).square();
+    const auto first = CalibrationPrior::first_of(static_cast<std::size_t>(e.camera));
+    for (const AlertKind kind : kKindsOfCamera) {
+      shared.diagonal().segment<kCalibrationNumbers>(first).array() +=
+          (widths_of(kind).array() / CalibrationPrior::units().array()).square();
+    }
   }
   if (!factor_in_place(shared)) return false;
   shared.triangularView<Eigen::StrictlyUpper>().setZero();
   own_roots_.clear();
   for (std::size_t i = 0; i < slots_.size(); ++i) {
-    const std::size_t map_index = system.markers[slots_[i]];
+    const std::size_t map_index = system_->markers[slots_[i]];
     const Eigen::Index row = 6 * static_cast<Eigen::Index>(i);
     auto following = shared_root_.middleRows<6>(shared_ + row);
     following.setZero();
-    if (prior.modes() > 0) {
+    if (prior_->modes() > 0) {
       const Eigen::Matrix<double, 6, kMapModes> modes = map_.marker(map_index).modes.cast<double>();
       add_product(modes, shared.bottomRows(kMapModes), following);
     }
     Matrix6d own = map_.own_covariance(map_index);
     const Explanation moved{AlertKind::marker_moved, -1, map_index};
-    if (std::find(believed.begin(), believed.end(), moved) != believed.end()) {
+    if (std::find(believed_.begin(), believed_.end(), moved) != believed_.end()) {
       own.diagonal().head<3>().array() += kMoved_m * kMoved_m;
       own.diagonal().tail<3>().array() += kTurned_rad * kTurned_rad;
     } else if (own.diagonal().maxCoeff() <= 0) {
@@ -144,10 +149,7 @@ bool Explanations::take_roots(const Evidence::System& system, const CalibrationP
   return true;
 }
 
-bool Explanations::reduce(const Evidence::System& system, const CalibrationPrior& prior,
-                          std::span<const Explanation> believed) {
-  select(system, prior);
-  if (!take_roots(system, prior, believed)) return false;
+void Explanations::multiply_by_roots() {
   const Eigen::Index markers = size_ - numbers_;
   freedoms_ = shared_ + 6 * static_cast<Eigen::Index>(own_roots_.size());
   const auto a = information_.topLeftCorner(size_, size_);
@@ -156,8 +158,7 @@ bool Explanations::reduce(const Evidence::System& system, const CalibrationPrior
   auto reduced = reduced_.topLeftCorner(freedoms_, size_);
   reduced.topRows(shared_).setZero();
   add_transposed_product(of_numbers, a.topRows(numbers_), reduced.topRows(shared_));
-  const bool following = prior.modes() > 0;  // markers follow nothing else
-  if (following) {
+  if (prior_->modes() > 0) {  // markers follow nothing else
     add_transposed_product(of_markers, a.bottomRows(markers), reduced.topRows(shared_));
   }
   answered_.head(shared_).noalias() = of_numbers.transpose() * evidence_.head(numbers_);
@@ -169,22 +170,72 @@ bool Explanations::reduce(const Evidence::System& system, const CalibrationPrior
     answered_.segment<6>(at) = own.root.transpose() * evidence_.segment<6>(own.row);
     at += 6;
   }
+}
+
+void Explanations::make_kernel() {
+  const Eigen::Index markers = size_ - numbers_;
+  const auto reduced = reduced_.topLeftCorner(freedoms_, size_);
   auto kernel = kernel_.topLeftCorner(freedoms_, freedoms_);
   kernel.setIdentity();
-  add_product(reduced.leftCols(numbers_), of_numbers, kernel.leftCols(shared_));
-  if (following) add_product(reduced.rightCols(markers), of_markers, kernel.leftCols(shared_));
-  at = shared_;
+  add_product(reduced.leftCols(numbers_), shared_root_.topRows(numbers_), kernel.leftCols(shared_));
+  if (prior_->modes() > 0) {
+    add_product(reduced.rightCols(markers), shared_root_.middleRows(shared_, markers),
+                kernel.leftCols(shared_));
+  }
+  Eigen::Index at = shared_;
   for (const OwnRoot& own : own_roots_) {
     kernel.middleCols<6>(at).noalias() += reduced.middleCols<6>(own.row) * own.root;
     at += 6;
   }
-  if (!factor_in_place(kernel)) return false;
-  solve_in_place(kernel, reduced);
-  solve_in_place(kernel, answered_.head(freedoms_));
-  return true;
 }
 
-void Explanations::score_camera(const Evidence::System& system, int camera, AlertKind kind) {
+void Explanations::eliminate(Eigen::Index first, Eigen::Index count) {
+  solve_in_place(kernel_.topLeftCorner(freedoms_, freedoms_),
+                 reduced_.topRows(freedoms_).middleCols(first, count));
+}
+
+void Explanations::begin(const Evidence::System& system, const CalibrationPrior& prior,
+                         std::span<const Explanation> believed) {
+  system_ = &system;
+  prior_ = &prior;
+  believed_ = believed;
+  scores_.clear();
+  step_ = 0;
+}
+
+bool Explanations::advance() {
+  if (step_ < kSteps) step_ = do_step(step_) ? step_ + 1 : kSteps;
+  return step_ == kSteps;
+}
+
+bool Explanations::do_step(int step) {
+  switch (step) {
+    case 0:
+      select();
+      return take_roots();
+    case 1:
+      multiply_by_roots();
+      return true;
+    case 2:
+      make_kernel();
+      return true;
+    case 3: {
+      const auto kernel = kernel_.topLeftCorner(freedoms_, freedoms_);
+      if (!factor_in_place(kernel)) return false;
+      solve_in_place(kernel, answered_.head(freedoms_));
+      return true;
+    }
+    case 4:
+      eliminate(0, size_ / 2);
+      return true;
+    default:
+      eliminate(size_ / 2, size_ - size_ / 2);
+      score_all();
+      return true;
+  }
+}
+
+void Explanations::score_camera(int camera, AlertKind kind) {
   const Eigen::Index at = CalibrationPrior::first_of(static_cast<std::size_t>(camera));
   using Square = Eigen::Matrix<double, kCalibrationNumbers, kCalibrationNumbers>;
   const auto reduced = reduced_.topRows(freedoms_).middleCols<kCalibrationNumbers>(at);
@@ -203,10 +254,10 @@ void Explanations::score_camera(const Evidence::System& system, int camera, Aler
   score.chi2 = gain.chi2;
   score.camera = gain.fault.cwiseProduct(widths);
   score.camera_sigma = gain.sigma.cwiseProduct(widths);
-  score.views = system.sets_of_camera[static_cast<std::size_t>(camera)];
+  score.views = system_->sets_of_camera[static_cast<std::size_t>(camera)];
 }
 
-void Explanations::score_marker(const Evidence::System& system, Eigen::Index at, std::size_t slot) {
+void Explanations::score_marker(Eigen::Index at, std::size_t slot) {
   const auto reduced = reduced_.topRows(freedoms_).middleCols<6>(at);
   Matrix6d information = information_.block<6, 6>(at, at);
   information.noalias() -= reduced.transpose() * reduced;
@@ -217,31 +268,37 @@ void Explanations::score_marker(const Evidence::System& system, Eigen::Index at,
   const auto gain = gain_of<6>(widths.asDiagonal() * information * widths.asDiagonal(),
                                widths.asDiagonal() * evidence);
   Score& score = scores_.emplace_back();
-  score.what = {AlertKind::marker_moved, -1, system.markers[slot]};
+  score.what = {AlertKind::marker_moved, -1, system_->markers[slot]};
   score.gain = gain.gain;
   score.chi2 = gain.chi2;
   score.marker = gain.fault.cwiseProduct(widths);
-  score.views = system.views[slot];
+  score.views = system_->views[slot];
+}
+
+void Explanations::score_all() {
+  for (std::size_t c = 0; c < cameras_; ++c) {
+    if (system_->sets_of_camera[c] == 0) continue;
+    const int camera = static_cast<int>(c);
+    for (const AlertKind kind : kKindsOfCamera) {
+      // One camera alone is the rig, and its clock the vehicle's.
+      const bool of_several =
+          kind == AlertKind::extrinsics_off || kind == AlertKind::stamps_skewed;
+      if (cameras_ > 1 || !of_several) score_camera(camera, kind);
+    }
+  }
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    score_marker(numbers_ + 6 * static_cast<Eigen::Index>(i), slots_[i]);
+  }
+  std::sort(scores_.begin(), scores_.end(),
+            [](const Score& a, const Score& b) { return a.gain > b.gain; });
 }
 
 std::span<const Score> Explanations::judge(const Evidence::System& system,
                                            const CalibrationPrior& prior,
                                            std::span<const Explanation> believed) {
-  scores_.clear();
-  if (!reduce(system, prior, believed)) return scores_;
-  for (std::size_t c = 0; c < cameras_; ++c) {
-    if (system.sets_of_camera[c] == 0) continue;
-    const int camera = static_cast<int>(c);
-    if (cameras_ > 1) score_camera(system, camera, AlertKind::extrinsics_off);
-    score_camera(system, camera, AlertKind::lens_off);
-    if (cameras_ > 1) score_camera(system, camera, AlertKind::stamps_skewed);
-    score_camera(system, camera, AlertKind::readout_off);
+  begin(system, prior, believed);
+  while (!advance()) {
   }
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    score_marker(system, prior.numbers() + 6 * static_cast<Eigen::Index>(i), slots_[i]);
-  }
-  std::sort(scores_.begin(), scores_.end(),
-            [](const Score& a, const Score& b) { return a.gain > b.gain; });
   return scores_;
 }
 

@@ -40,8 +40,17 @@ class Explanations {
   /// For priors of so many cameras, sizes and modes as this one.
   Explanations(const CalibrationPrior& prior, const MapIndex& map);
 
-  /// Scores, best first; none where the system is no numbers. `believed`: what is known to be wrong
-  /// already, which is free to be so in every score. `prior` without it.
+  /// Begins to score all of a system. `believed`: what is known to be wrong already, which is free
+  /// to be so in every score; `prior` without it. None of them may change until it is done.
+  void begin(const Evidence::System& system, const CalibrationPrior& prior,
+             std::span<const Explanation> believed);
+  /// Goes on by a step, of which a judgement has kSteps of about equal cost; true: it is done.
+  bool advance();
+  static constexpr int kSteps = 6;
+  /// Of the judgement that is done: best first; none where the system was no numbers.
+  [[nodiscard]] std::span<const Score> scores() const { return scores_; }
+
+  /// All of it at once.
   [[nodiscard]] std::span<const Score> judge(const Evidence::System& system,
                                              const CalibrationPrior& prior,
                                              std::span<const Explanation> believed);
@@ -57,19 +66,28 @@ class Explanations {
     Eigen::Index row = 0;
     Matrix6d root;
   };
+  // All numbers are eliminated under their prior, step by step; false: they are no numbers.
   /// Takes the numbers that are asked about out of the system.
-  void select(const Evidence::System& system, const CalibrationPrior& prior);
+  void select();
   /// Prior roots: of what is shared, and of each marker's own.
-  [[nodiscard]] bool take_roots(const Evidence::System& system, const CalibrationPrior& prior,
-                                std::span<const Explanation> believed);
-  /// Eliminates all numbers under their prior; false: they are no numbers.
-  [[nodiscard]] bool reduce(const Evidence::System& system, const CalibrationPrior& prior,
-                            std::span<const Explanation> believed);
-  void score_camera(const Evidence::System& system, int camera, AlertKind kind);
-  void score_marker(const Evidence::System& system, Eigen::Index at, std::size_t slot);
+  [[nodiscard]] bool take_roots();
+  /// Rᵀ A and Rᵀ b of the prior's root R.
+  void multiply_by_roots();
+  /// I + Rᵀ A R
+  void make_kernel();
+  /// Takes L⁻¹ of some columns of Rᵀ A.
+  void eliminate(Eigen::Index first, Eigen::Index count);
+  void score_all();
+  void score_camera(int camera, AlertKind kind);
+  void score_marker(Eigen::Index at, std::size_t slot);
+  [[nodiscard]] bool do_step(int step);
 
   const MapIndex& map_;
   std::size_t cameras_;
+  const Evidence::System* system_ = nullptr;
+  const CalibrationPrior* prior_ = nullptr;
+  std::span<const Explanation> believed_;
+  int step_ = kSteps;  ///< the next; kSteps: done
   std::vector<Score> scores_;
   std::vector<std::size_t> slots_;  ///< of the markers asked about
   Eigen::Index numbers_ = 0;        ///< of cameras and sizes

@@ -82,7 +82,7 @@ Matrix6d MapDependence::of(std::span<const SetObservation> observations,
     auto share = std::find_if(shares_.begin(), shares_.end(),
                               [&](const MarkerShare& s) { return s.map_index == map_index; });
     if (share == shares_.end()) share = shares_.insert(share, {map_index, Matrix6d::Zero()});
-    share->matrix += pose.gain(considered[i]) * considered[i].columns.by_marker;
+    share->matrix += pose.gain(i) * considered[i].columns.by_marker;
   }
   // Cov(Σ eₘ) ≤ Σ Cov(eₘ)/wₘ for any correlations and weights that sum to 1; wₘ ∝ √tr is best.
   double roots = 0;

@@ -30,23 +30,22 @@ Matrix6d ProtectionLevels::by_rig(const Rigid3& world_from_rig) const {
 /// Of one hypothesis, for the pose that is used lies `apart` from the one that knows nothing of it.
 void ProtectionLevels::raise(const Vector6d& apart, const Matrix6d& covariance,
                              Protection& levels) const {
-  const auto level = [&](double away, double bound) {
-    const double sum = away + inflation_ * bound;
-    return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+  /// Of a length that `away` has and whose error is so spread. Levels are the largest of many:
+  /// what can't exceed by its longest axis, which is quickly told, is not asked further.
+  const auto raise_to = [&]<int N>(double& level, double away,
+                                   const Eigen::Matrix<double, N, N>& spread) {
+    const double most = away + inflation_ * std::sqrt(spread.trace()) * risk_.chi[N - 1];
+    if (most <= level) return;
+    const double sum = away + inflation_ * gaussian_bound<N>(spread, risk_);
+    level = std::isfinite(sum) ? std::max(level, sum) : std::numeric_limits<double>::infinity();
   };
   for (int i = 0; i < 3; ++i) {
-    const Eigen::Matrix<double, 1, 1> variance(covariance(i, i));
-    levels.axis_m[i] =
-        std::max(levels.axis_m[i], level(std::abs(apart[i]), gaussian_bound<1>(variance, risk_)));
+    raise_to(levels.axis_m[i], std::abs(apart[i]), Eigen::Matrix<double, 1, 1>(covariance(i, i)));
   }
-  levels.horizontal_m =
-      std::max(levels.horizontal_m,
-               level(apart.head<2>().norm(),
-                     gaussian_bound<2>(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()), risk_)));
-  levels.rotation_rad = std::max(
-      levels.rotation_rad,
-      level(apart.tail<3>().norm(),
-            gaussian_bound<3>(Eigen::Matrix3d(covariance.bottomRightCorner<3, 3>()), risk_)));
+  raise_to(levels.horizontal_m, apart.head<2>().norm(),
+           Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  raise_to(levels.rotation_rad, apart.tail<3>().norm(),
+           Eigen::Matrix3d(covariance.bottomRightCorner<3, 3>()));
 }
 
 /// The hypothesis that all observations of which `wrong` holds are.
@@ -57,10 +56,9 @@ void ProtectionLevels::suspect(std::span<const SetObservation> observations,
   left_out_.clear();
   int markers_left = 0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    const ConsideredObservation& considered = robust.considered()[i];
-    if (!considered.used) continue;
+    if (!robust.considered()[i].used) continue;
     if (wrong(observations[i])) {
-      left_out_.push_back(&considered);
+      left_out_.push_back(i);
       continue;
     }
     const bool before =

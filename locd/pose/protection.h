@@ -43,7 +43,7 @@ class ProtectionLevels {
   Eigen::Vector3d point_in_rig_;
   double inflation_;
   TailRisk risk_{kRisk};
-  std::vector<const ConsideredObservation*> left_out_;
+  std::vector<std::size_t> left_out_;
 };
 
 }  // namespace waymark

@@ -13,6 +13,7 @@ namespace {
 
 RigPoseOptions solver_options() {
   RigPoseOptions options;
+  options.give_up_beside_known = true;
   options.bounded_score_sigmas = 10.0;
   options.max_refined = 3;
   options.max_iterations = 20;
@@ -44,6 +45,7 @@ RobustPose::RobustPose(const Rig& rig, const MapIndex& map, const CalibrationPri
   considered_.reserve(kMaxObservations);
   fixed_.reserve(kMaxObservations);
   solver_.reserve(kMaxObservations);
+  consider_.reserve(kMaxObservations);
   by_size_.reserve(kMaxObservations);
 }
 
@@ -174,7 +176,7 @@ bool RobustPose::refine(std::span<SetObservation> observations, const VelocityPr
     bool changed = step.head<3>().norm() > kLinear_m || step.tail<3>().norm() > kLinear_rad;
     for (std::size_t i = 0; i < observations.size(); ++i) {
       SetObservation& o = observations[i];
-      o.sigmas_squared = consider_.squared_sigmas(considered_[i]);
+      o.sigmas_squared = consider_.squared_sigmas(i);
       changed = changed || o.inlier != (o.sigmas_squared <= limit);
       o.inlier = o.sigmas_squared <= limit;
     }

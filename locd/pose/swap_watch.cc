@@ -12,6 +12,7 @@ constexpr std::size_t kFewest = 3;  // observations that can tell of a swap
 
 RigPoseOptions solver_options() {
   RigPoseOptions options;
+  options.give_up_beside_known = true;
   options.bounded_score_sigmas = 10.0;
   options.max_seed_observations = 6;
   options.max_refined = 2;

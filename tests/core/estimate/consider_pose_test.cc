@@ -109,8 +109,8 @@ TEST_F(Considered, ErrorsAreWhatTheCovarianceSays) {
     nees += error.dot(SymmetricFactor<6>(pose.covariance()).solve(error));
     misfit += pose.misfit();
     freedoms += pose.freedoms();
-    for (const ConsideredObservation& o : seen) {
-      outlier += pose.squared_sigmas(o);
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+      outlier += pose.squared_sigmas(i);
       ++observations;
     }
   }
@@ -144,11 +144,11 @@ TEST_F(Considered, AnObservationThatIsWrongShowsWhetherItIsUsedOrNot) {
   (void)err(prior, 1, seen);
   seen[3].columns.residual.array() += 60;
   ASSERT_TRUE(pose.solve(seen, prior, Matrix6d::Identity()));
-  EXPECT_GT(pose.squared_sigmas(seen[3]), 36);
+  EXPECT_GT(pose.squared_sigmas(3), 36);
   seen[3].used = false;
   ASSERT_TRUE(pose.solve(seen, prior, Matrix6d::Identity()));
-  EXPECT_GT(pose.squared_sigmas(seen[3]), 36);
-  EXPECT_LT(pose.squared_sigmas(seen[4]), 36);
+  EXPECT_GT(pose.squared_sigmas(3), 36);
+  EXPECT_LT(pose.squared_sigmas(4), 36);
 }
 
 TEST_F(Considered, AWidenedCameraHasNoSay) {
@@ -172,8 +172,8 @@ TEST_F(Considered, APoseWithoutSomeIsThatOfTheRest) {
   (void)err(prior, 1, seen);
   for (const std::size_t left_out : {1U, 2U}) {
     ASSERT_TRUE(pose.solve(seen, prior, Matrix6d::Identity()));
-    std::vector<const ConsideredObservation*> out;
-    for (std::size_t i = 0; i < left_out; ++i) out.push_back(&seen[3 + i]);
+    std::vector<std::size_t> out;
+    for (std::size_t i = 0; i < left_out; ++i) out.push_back(3 + i);
     const auto rest = pose.without(out);
     ASSERT_TRUE(rest.has_value());
     auto others = seen;
