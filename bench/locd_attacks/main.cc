@@ -27,7 +27,9 @@ int main(int argc, char** argv) {
         const auto one = run_attack(attack, {seed % 2 == 1 ? "room1" : "warehouse", rig,
                                              static_cast<std::uint64_t>(seed), sets});
         figures.add(one);
-        if (verbose) fmt::print("  seed {}: {}\n    {}\n", seed, row_of(one), one.alerts);
+        if (verbose) {
+          fmt::print("  seed {}: {}\n    {}\n    {}\n", seed, row_of(one), reasons_of(one), one.alerts);
+        }
       }
       fmt::print("{:<28} {:<6} {}\n", attack.name, rig, row_of(figures));
       std::fflush(stdout);

@@ -52,6 +52,10 @@ double largest_sigma(const Eigen::Matrix3d& covariance) {
 void judge(const PoseEstimate& estimate, const Rigid3& truth, AttackFigures& figures) {
   ++figures.sets;
   if (estimate.has_pose() && !estimate.has(PoseReason::sigma)) ++figures.firm;
+  for (unsigned shift = 0; shift < 32; ++shift) {
+    const auto reason = static_cast<PoseReason>(1U << shift);
+    if (estimate.has(reason)) ++figures.reasons[std::string(name_of(reason))];
+  }
   if (estimate.status != PoseStatus::ok) return;
   ++figures.ok;
   ++figures.firm_ok;
@@ -148,6 +152,12 @@ AttackFigures run_attack(const Attack& attack, const AttackRun& run) {
     if (i >= attack.begins) judge(estimate, drive.world_from_rig(estimate.stamp), figures);
   }
   return figures;
+}
+
+std::string reasons_of(const AttackFigures& figures) {
+  std::string text = "not OK for";
+  for (const auto& [reason, sets] : figures.reasons) text += fmt::format(" {} {}", reason, sets);
+  return text;
 }
 
 std::string row_of(const AttackFigures& figures) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct AttackFigures {
   std::vector<int> named_after;  ///< sets until the first right alert, one per run that has one
   int over = 0;                  ///< runs in which it was said to be over
   std::string alerts;            ///< what was said, run by run
+  std::map<std::string, int> reasons;  ///< sets that were not OK, by each reason
 
   void add(const AttackFigures& other);
 };
@@ -44,5 +46,7 @@ struct AttackRun {
 
 /// One line of the table.
 [[nodiscard]] std::string row_of(const AttackFigures& figures);
+/// Why sets were not OK.
+[[nodiscard]] std::string reasons_of(const AttackFigures& figures);
 
 }  // namespace waymark::bench

@@ -14,6 +14,8 @@ constexpr double kLinear_m = 0.35;
 constexpr double kLinear_rad = 0.25;
 /// Observations of a camera that can tell what is wrong with it.
 constexpr int kCameraViews = 24;
+/// Blocks of evidence that tell whether a verdict still holds.
+constexpr int kBlocksToRevoke = 4;
 /// Kinds of faults of a camera.
 constexpr std::size_t kKindsOfCamera = 4;
 /// Newer observations that can speak against a verdict.
@@ -74,6 +76,7 @@ ErrorModel::ErrorModel(const Rig& rig, const MapIndex& map, MapWatch& markers,
       known_{{}, prior},
       noise_(map, rig.cameras.size()),
       evidence_(prior, map.size()),
+      of_suspects_(prior, map.size(), kBlocksToRevoke + 1),
       explanations_(prior, map) {
   WAYMARK_CHECK(options.check().has_value());
   rows_.reserve(kMaxObservations);
@@ -181,7 +184,9 @@ void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const Robu
   if (question_ && explanations_.advance()) answer(set.stamp, alerts);
   make_rows(set, velocity, robust);
   if (rows_.size() < 2 || !evidence_.is_new(rows_)) return;
-  evidence_.add(rows_);
+  const long before = evidence_.sets();
+  add_evidence();
+  if (evidence_.sets() == before) return;
   const long sets = evidence_.sets() - forgotten_;
   const bool early = sets == 2 || sets == 4;
   look_due_ = look_due_ || early || sets % options_.sets_per_look == 0;
@@ -193,6 +198,24 @@ void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const Robu
   answer(set.stamp, alerts);
 }
 
+const Evidence& ErrorModel::evidence_of_verdicts() const {
+  // One camera alone takes part all the same.
+  return verdicts_.empty() || rig_.cameras.size() == 1 ? evidence_ : of_suspects_;
+}
+
+void ErrorModel::add_evidence() {
+  if (&evidence_of_verdicts() == &evidence_) {
+    evidence_.add(rows_);
+    return;
+  }
+  of_suspects_.add(rows_);
+  const CameraMask suspect = suspects();
+  const auto others = std::partition(rows_.begin(), rows_.end(), [&](const EvidenceRow& row) {
+    return (suspect & camera_bit(row.camera)) == 0;
+  });
+  evidence_.add(std::span(rows_.begin(), others));
+}
+
 void ErrorModel::ask() {
   bool of_verdict = false;
   if (look_due_) {
@@ -202,14 +225,13 @@ void ErrorModel::ask() {
     back_due_ = back_due_ || looks_ % 3 == 0;
     look_due_ = false;
   } else if (back_due_) {
-    constexpr int kBlocks = 4;
-    question_ = {kBlocks, std::nullopt};
+    question_ = {kBlocksToRevoke, std::nullopt};
     back_due_ = false;
     of_verdict = true;
   } else {
     return;
   }
-  evidence_.sum(question_->blocks, system_);
+  (of_verdict ? evidence_of_verdicts() : evidence_).sum(question_->blocks, system_);
   believe_quarantine();
   if (of_verdict) {
     if (believed_.empty()) {
@@ -272,12 +294,16 @@ void ErrorModel::judge_explanations(Stamp stamp, int blocks, std::vector<Alert>&
   if (!clear || !nameable(*best)) return;
   const Score found = *best;
   // Where something changed within these sets, what explains their mixture is not what is wrong.
-  if (contradicted_by_block(0, found.what) || contradicted_by_block(1, found.what)) return;
+  if (contradicted_by_block(evidence_, 0, found.what) ||
+      contradicted_by_block(evidence_, 1, found.what)) {
+    return;
+  }
   name(stamp, found, alerts);
 }
 
-bool ErrorModel::contradicted_by_block(int age, const Explanation& what) {
-  evidence_.block(age, system_);
+bool ErrorModel::contradicted_by_block(const Evidence& evidence, int age,
+                                       const Explanation& what) {
+  evidence.block(age, system_);
   if (system_.sets < options_.sets_per_look / 2) return true;
   believe_quarantine();
   const auto scores = explanations_.judge(system_, prior_, believed_);
@@ -305,8 +331,9 @@ void ErrorModel::judge_verdict(Stamp stamp, const Explanation& asked, std::vecto
   }
   const Score first = explanations_.scores().front();
   if (first.what == asked || first.gain < std::max(own->gain, 0.0) + options_.lead) return;
-  const bool sure = nameable(first) && !contradicted_by_block(0, first.what) &&
-                    !contradicted_by_block(1, first.what);
+  const Evidence& evidence = evidence_of_verdicts();
+  const bool sure = nameable(first) && !contradicted_by_block(evidence, 0, first.what) &&
+                    !contradicted_by_block(evidence, 1, first.what);
   if (sure) take_back(stamp, asked, alerts);
 }
 
@@ -359,6 +386,7 @@ void ErrorModel::take_back(Stamp stamp, const Explanation& what, std::vector<Ale
 
 void ErrorModel::forget_evidence() {
   evidence_.clear();
+  of_suspects_.clear();
   forgotten_ = evidence_.sets();
   waiting_.there = false;
   question_.reset();

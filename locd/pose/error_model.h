@@ -92,9 +92,13 @@ class ErrorModel {
   [[nodiscard]] std::optional<ErrorColumns> columns_of(const SetObservation& o,
                                                        ObservationGeometry geometry,
                                                        const Vector6d& velocity) const;
+  void add_evidence();
   void make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust);
   /// Whether a block of sets on its own speaks rather for another explanation, or for none.
-  [[nodiscard]] bool contradicted_by_block(int age, const Explanation& what);
+  [[nodiscard]] bool contradicted_by_block(const Evidence& evidence, int age,
+                                           const Explanation& what);
+  /// What says whether verdicts hold.
+  [[nodiscard]] const Evidence& evidence_of_verdicts() const;
   /// A question to the explanations. Its answer takes some sets: no set shall take much longer than
   /// others.
   struct Question {
@@ -120,7 +124,8 @@ class ErrorModel {
   CalibrationPrior prior_;  ///< as the calibration states
   KnownErrors known_;
   NoiseWatch noise_;
-  Evidence evidence_;
+  Evidence evidence_;     ///< without what suspects see: it is explained, and may change with the motion
+  Evidence of_suspects_;  ///< with it, for the question whether they are so still
   Explanations explanations_;
   Evidence::System system_;
   std::vector<EvidenceRow> rows_;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 
 #include "core/base/check.h"
 
@@ -19,13 +20,15 @@ std::size_t place_of(std::uint64_t view) {
 
 }  // namespace
 
-Evidence::Evidence(const CalibrationPrior& prior, std::size_t map_markers)
+Evidence::Evidence(const CalibrationPrior& prior, std::size_t map_markers, int blocks)
     : cameras_(prior.cameras()),
       first_size_(prior.at_size(0)),
       calibration_(prior.numbers()),
       slot_of_marker_(map_markers, -1),
       marker_of_slot_(kMostMarkers, kNone),
+      blocks_(static_cast<std::size_t>(blocks)),
       seen_views_(kViewTable, 0) {
+  WAYMARK_CHECK(blocks >= 2 && blocks <= kBlocks);
   touched_.reserve(cameras_ + prior.sizes() + kMostMarkers);
   const Eigen::Index size = calibration_ + 6 * static_cast<Eigen::Index>(kMostMarkers);
   for (Block& block : blocks_) {
@@ -39,13 +42,13 @@ Evidence::Evidence(const CalibrationPrior& prior, std::size_t map_markers)
 }
 
 void Evidence::clear() {
-  for (int i = 0; i < kBlocks; ++i) begin_block();
+  for (std::size_t i = 0; i < blocks_.size(); ++i) begin_block();
 }
 
 /// The oldest block becomes the newest, empty.
 void Evidence::begin_block() {
-  newest_ = (newest_ + 1) % kBlocks;
-  Block& block = blocks_[static_cast<std::size_t>(newest_)];
+  newest_ = (newest_ + 1) % blocks_.size();
+  Block& block = blocks_[newest_];
   block.information.setZero();
   block.evidence.setZero();
   block.parts.clear();
@@ -89,8 +92,8 @@ void Evidence::touch(const Part& part, std::vector<Part>& parts) {
 }
 
 void Evidence::add(std::span<const EvidenceRow> rows) {
-  if (blocks_[static_cast<std::size_t>(newest_)].sets >= kSetsPerBlock) begin_block();
-  Block& block = blocks_[static_cast<std::size_t>(newest_)];
+  if (blocks_[newest_].sets >= kSetsPerBlock) begin_block();
+  Block& block = blocks_[newest_];
   Matrix6d of_pose = 1e-9 * Matrix6d::Identity();
   Vector6d pull = Vector6d::Zero();
   cross_.setZero();
@@ -156,7 +159,8 @@ void Evidence::block(int age, System& system) const {
 void Evidence::sum(int blocks, System& system) const {
   block(0, system);
   const int whole = 2 * system.sets >= kSetsPerBlock ? blocks - 1 : blocks;
-  for (int age = 1; age <= std::min(whole, kBlocks - 1); ++age) {
+  const int oldest = static_cast<int>(blocks_.size()) - 1;
+  for (int age = 1; age <= std::min(whole, oldest); ++age) {
     const Block& block = block_of(age);
     if (block.sets == 0) continue;
     for (const Part& a : block.parts) {

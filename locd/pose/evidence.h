@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>
@@ -28,11 +27,13 @@ struct EvidenceRow {
 class Evidence {
  public:
   static constexpr int kSetsPerBlock = 8;
+  /// Blocks that are kept for the longest question.
   static constexpr int kBlocks = 17;
   /// Markers that are asked about at a time; of more, the first seen.
   static constexpr std::size_t kMostMarkers = 32;
 
-  Evidence(const CalibrationPrior& prior, std::size_t map_markers);
+  /// `blocks`: how many are kept (2–kBlocks).
+  Evidence(const CalibrationPrior& prior, std::size_t map_markers, int blocks = kBlocks);
 
   /// Whether half of the views are new; remembers them.
   [[nodiscard]] bool is_new(std::span<const EvidenceRow> rows);
@@ -71,7 +72,8 @@ class Evidence {
   };
   void begin_block();
   [[nodiscard]] const Block& block_of(int age) const {
-    return blocks_[static_cast<std::size_t>((newest_ + kBlocks - age) % kBlocks)];
+    const std::size_t kept = blocks_.size();
+    return blocks_[(newest_ + kept - static_cast<std::size_t>(age)) % kept];
   }
   [[nodiscard]] std::optional<std::size_t> slot_for(std::size_t map_index);
   static void touch(const Part& part, std::vector<Part>& parts);
@@ -81,8 +83,8 @@ class Evidence {
   Eigen::Index calibration_;                 ///< numbers of cameras and sizes
   std::vector<int> slot_of_marker_;          ///< −1: none
   std::vector<std::size_t> marker_of_slot_;  ///< kNone: free
-  std::array<Block, kBlocks> blocks_;
-  int newest_ = 0;
+  std::vector<Block> blocks_;
+  std::size_t newest_ = 0;
   long sets_ = 0;
   std::vector<unsigned char> seen_views_;
   Eigen::Matrix<double, 6, Eigen::Dynamic> cross_;  ///< of a set, between its pose and all else
