@@ -21,27 +21,6 @@ constexpr std::size_t kKindsOfCamera = 4;
 /// Newer observations that can speak against a verdict.
 constexpr int kViewsToRevoke = 8;
 
-/// Where a marker is seen from, and where in the image; about 5°, 20 % of the distance, an eighth
-/// of the image.
-std::uint64_t view_of(const SetObservation& o, const CameraModel& model,
-                      const Rigid3& cam_from_marker) {
-  const Eigen::Vector3d eye = cam_from_marker.inverse().translation;
-  const double distance = std::max(eye.norm(), 1e-3);
-  const Eigen::Vector3d direction = eye / distance;
-  const auto cell = [](double value, double size) {
-    return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / size)) & 0xFF);
-  };
-  constexpr double kFiveDegrees = 0.087;
-  const Eigen::Vector2d centre = (o.detected_px[0] + o.detected_px[2]) / 2;
-  std::uint64_t view = o.map_index;
-  view = view * 16 + static_cast<std::uint64_t>(o.observation.camera);
-  view = view * 256 + cell(direction.x(), kFiveDegrees);
-  view = view * 256 + cell(direction.y(), kFiveDegrees);
-  view = view * 256 + cell(std::log(distance), 0.182);
-  view = view * 8 + cell(centre.x(), model.parameters().width_px / 8.0);
-  return view * 8 + cell(centre.y(), model.parameters().height_px / 8.0);
-}
-
 bool is_linear(const ErrorColumns& columns) {
   Matrix6d information = columns.by_marker.transpose() * columns.by_marker;
   information.diagonal().array() += 1e-6;
@@ -139,6 +118,7 @@ std::optional<ErrorColumns> ErrorModel::columns_of(const SetObservation& o,
 
 void ErrorModel::make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust) {
   rows_.clear();
+  distance_m_ = 0;
   const RigPoseSolver& solver = robust.solver();
   for (const SetObservation& o : set.observations) {
     if (markers_.rides(o.map_index)) continue;
@@ -149,11 +129,11 @@ void ErrorModel::make_rows(const Waiting& set, const Vector6d& velocity, const R
     if (!columns) continue;
     columns->whiten(noise_covariance(o, known_.noise_px[camera]));
     if (!is_linear(*columns)) continue;
-    const Rigid3 cam_from_marker =
-        geometry.cam_from_rig * geometry.world_from_rig.inverse() * geometry.world_from_marker;
-    rows_.push_back({o.map_index, camera, prior_.size_of(map_.marker(o.map_index)),
-                     view_of(o, *geometry.camera, cam_from_marker), *columns});
+    rows_.push_back({o.map_index, camera, prior_.size_of(map_.marker(o.map_index)), *columns});
+    distance_m_ += (geometry.world_from_marker.translation - set.solution.world_from_rig.translation)
+                       .norm();
   }
+  distance_m_ /= static_cast<double>(std::max<std::size_t>(rows_.size(), 1));
 }
 
 void ErrorModel::update(Stamp stamp, std::span<const SetObservation> observations,
@@ -183,9 +163,10 @@ void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const Robu
                         std::vector<Alert>& alerts) {
   if (question_ && explanations_.advance()) answer(set.stamp, alerts);
   make_rows(set, velocity, robust);
-  if (rows_.size() < 2 || !evidence_.is_new(rows_)) return;
+  const Rigid3& world_from_rig = set.solution.world_from_rig;
+  if (rows_.size() < 2 || !evidence_.is_new(world_from_rig, distance_m_)) return;
   const long before = evidence_.sets();
-  add_evidence();
+  add_evidence(world_from_rig);
   if (evidence_.sets() == before) return;
   const long sets = evidence_.sets() - forgotten_;
   const bool early = sets == 2 || sets == 4;
@@ -203,17 +184,17 @@ const Evidence& ErrorModel::evidence_of_verdicts() const {
   return verdicts_.empty() || rig_.cameras.size() == 1 ? evidence_ : of_suspects_;
 }
 
-void ErrorModel::add_evidence() {
+void ErrorModel::add_evidence(const Rigid3& world_from_rig) {
   if (&evidence_of_verdicts() == &evidence_) {
-    evidence_.add(rows_);
+    evidence_.add(world_from_rig, rows_);
     return;
   }
-  of_suspects_.add(rows_);
+  of_suspects_.add(world_from_rig, rows_);
   const CameraMask suspect = suspects();
   const auto others = std::partition(rows_.begin(), rows_.end(), [&](const EvidenceRow& row) {
     return (suspect & camera_bit(row.camera)) == 0;
   });
-  evidence_.add(std::span(rows_.begin(), others));
+  evidence_.add(world_from_rig, std::span(rows_.begin(), others));
 }
 
 void ErrorModel::ask() {

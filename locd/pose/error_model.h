@@ -92,7 +92,7 @@ class ErrorModel {
   [[nodiscard]] std::optional<ErrorColumns> columns_of(const SetObservation& o,
                                                        ObservationGeometry geometry,
                                                        const Vector6d& velocity) const;
-  void add_evidence();
+  void add_evidence(const Rigid3& world_from_rig);
   void make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust);
   /// Whether a block of sets on its own speaks rather for another explanation, or for none.
   [[nodiscard]] bool contradicted_by_block(const Evidence& evidence, int age,
@@ -129,6 +129,7 @@ class ErrorModel {
   Explanations explanations_;
   Evidence::System system_;
   std::vector<EvidenceRow> rows_;
+  double distance_m_ = 0;  ///< to their markers, mean
   std::vector<Verdict> verdicts_;
   std::vector<Explanation> believed_;
   unsigned undecided_ = 0;  ///< by bits: windows of evidence

@@ -9,14 +9,9 @@
 namespace waymark {
 namespace {
 
-/// A view is new until it was seen so often.
-constexpr int kNewViews = 3;
-constexpr std::size_t kViewTable = 1 << 15;
-
-std::size_t place_of(std::uint64_t view) {
-  view *= 0x9E3779B97F4A7C15ULL;
-  return static_cast<std::size_t>(view >> 49U) % kViewTable;
-}
+/// Beyond, what is seen is seen anew: of the direction to markers and of the rig's own, together
+/// (rad); some thirtieth of an image.
+constexpr double kNewView_rad = 0.03;
 
 }  // namespace
 
@@ -26,8 +21,7 @@ Evidence::Evidence(const CalibrationPrior& prior, std::size_t map_markers, int b
       calibration_(prior.numbers()),
       slot_of_marker_(map_markers, -1),
       marker_of_slot_(kMostMarkers, kNone),
-      blocks_(static_cast<std::size_t>(blocks)),
-      seen_views_(kViewTable, 0) {
+      blocks_(static_cast<std::size_t>(blocks)) {
   WAYMARK_CHECK(blocks >= 2 && blocks <= kBlocks);
   touched_.reserve(cameras_ + prior.sizes() + kMostMarkers);
   const Eigen::Index size = calibration_ + 6 * static_cast<Eigen::Index>(kMostMarkers);
@@ -43,20 +37,31 @@ Evidence::Evidence(const CalibrationPrior& prior, std::size_t map_markers, int b
 
 void Evidence::clear() {
   for (std::size_t i = 0; i < blocks_.size(); ++i) begin_block();
+  last_world_from_rig_.reset();
 }
 
 /// The oldest block becomes the newest, empty.
 void Evidence::begin_block() {
   newest_ = (newest_ + 1) % blocks_.size();
-  Block& block = blocks_[newest_];
-  block.information.setZero();
-  block.evidence.setZero();
+  empty(blocks_[newest_]);
+  free_unused_slots();
+}
+
+void Evidence::empty(Block& block) {
+  for (const Part& a : block.parts) {
+    block.evidence.segment(a.at, a.size).setZero();
+    for (const Part& b : block.parts) {
+      block.information.block(a.at, b.at, a.size, b.size).setZero();
+    }
+  }
   block.parts.clear();
   std::fill(block.views.begin(), block.views.end(), 0);
   std::fill(block.sets_of_camera.begin(), block.sets_of_camera.end(), 0);
   block.sets = 0;
-  std::fill(seen_views_.begin(), seen_views_.end(), 0);
-  // Markers that no block knows any more make room.
+}
+
+/// Markers that no block knows any more make room.
+void Evidence::free_unused_slots() {
   for (std::size_t slot = 0; slot < kMostMarkers; ++slot) {
     const bool used = std::any_of(blocks_.begin(), blocks_.end(),
                                   [&](const Block& b) { return b.views[slot] > 0; });
@@ -66,32 +71,45 @@ void Evidence::begin_block() {
   }
 }
 
+/// False: there is none but the newest.
+bool Evidence::forget_oldest_block() {
+  for (std::size_t i = 1; i < blocks_.size(); ++i) {
+    Block& block = blocks_[(newest_ + i) % blocks_.size()];
+    if (block.sets == 0) continue;
+    empty(block);
+    free_unused_slots();
+    return true;
+  }
+  return false;
+}
+
 std::optional<std::size_t> Evidence::slot_for(std::size_t map_index) {
   int& slot = slot_of_marker_[map_index];
   if (slot >= 0) return static_cast<std::size_t>(slot);
-  const auto free = std::find(marker_of_slot_.begin(), marker_of_slot_.end(), kNone);
-  if (free == marker_of_slot_.end()) return std::nullopt;
-  *free = map_index;
-  slot = static_cast<int>(free - marker_of_slot_.begin());
-  return static_cast<std::size_t>(slot);
+  for (;;) {
+    const auto free = std::find(marker_of_slot_.begin(), marker_of_slot_.end(), kNone);
+    if (free != marker_of_slot_.end()) {
+      *free = map_index;
+      slot = static_cast<int>(free - marker_of_slot_.begin());
+      return static_cast<std::size_t>(slot);
+    }
+    if (!forget_oldest_block()) return std::nullopt;
+  }
 }
 
-bool Evidence::is_new(std::span<const EvidenceRow> rows) {
-  std::size_t fresh = 0;
-  for (const EvidenceRow& row : rows) {
-    unsigned char& count = seen_views_[place_of(row.view)];
-    if (count >= kNewViews) continue;
-    ++count;
-    ++fresh;
-  }
-  return 2 * fresh >= rows.size() && fresh > 0;
+bool Evidence::is_new(const Rigid3& world_from_rig, double distance_m) const {
+  if (!last_world_from_rig_) return true;
+  const Rigid3& last = *last_world_from_rig_;
+  const double moved_m = (world_from_rig.translation - last.translation).norm();
+  const double turned_rad = angle_between_rad(world_from_rig.rotation, last.rotation);
+  return moved_m / std::max(distance_m, 1e-3) + turned_rad >= kNewView_rad;
 }
 
 void Evidence::touch(const Part& part, std::vector<Part>& parts) {
   if (std::find(parts.begin(), parts.end(), part) == parts.end()) parts.push_back(part);
 }
 
-void Evidence::add(std::span<const EvidenceRow> rows) {
+void Evidence::add(const Rigid3& world_from_rig, std::span<const EvidenceRow> rows) {
   if (blocks_[newest_].sets >= kSetsPerBlock) begin_block();
   Block& block = blocks_[newest_];
   Matrix6d of_pose = 1e-9 * Matrix6d::Identity();
@@ -127,7 +145,11 @@ void Evidence::add(std::span<const EvidenceRow> rows) {
     ++block.views[*slot];
     ++block.sets_of_camera[row.camera];
   }
-  if (touched_.empty()) return;
+  if (touched_.empty()) {
+    // All its markers came after those that fill this block: the next set begins another.
+    if (block.sets > 0) begin_block();
+    return;
+  }
   // The set's pose goes.
   const Eigen::LLT<Matrix6d> factor(of_pose);
   factor.matrixL().solveInPlace(pull);
@@ -144,6 +166,7 @@ void Evidence::add(std::span<const EvidenceRow> rows) {
   }
   ++block.sets;
   ++sets_;
+  last_world_from_rig_ = world_from_rig;
 }
 
 void Evidence::block(int age, System& system) const {

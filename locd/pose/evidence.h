@@ -14,7 +14,6 @@ struct EvidenceRow {
   std::size_t map_index = 0;
   std::size_t camera = 0;
   std::size_t size = 0;    ///< of its marker, among CalibrationPrior's
-  std::uint64_t view = 0;  ///< from where it is seen, and where in the image: alike ones are equal
   ErrorColumns columns;
 };
 
@@ -22,23 +21,25 @@ struct EvidenceRow {
 /// say together of the numbers of cameras and sizes (CalibrationPrior's order and units) and of the
 /// markers' places (Rigid3's tangents). Kept in blocks of sets, so that what is old can go.
 ///
-/// Only what is seen anew counts: a set of which less than half the views are new adds nothing, for
-/// a standing vehicle sees the same errors again and again.
+/// Only what is seen anew counts: a set in which the rig has hardly moved since the last that was
+/// taken adds nothing, for a standing vehicle sees the same errors again and again.
 class Evidence {
  public:
   static constexpr int kSetsPerBlock = 8;
   /// Blocks that are kept for the longest question.
   static constexpr int kBlocks = 17;
-  /// Markers that are asked about at a time; of more, the first seen.
+  /// Markers that are asked about at a time. Where more come, the oldest blocks go, so that the newest
+  /// are told of; of more in one block, the first seen.
   static constexpr std::size_t kMostMarkers = 32;
 
   /// `blocks`: how many are kept (2–kBlocks).
   Evidence(const CalibrationPrior& prior, std::size_t map_markers, int blocks = kBlocks);
 
-  /// Whether half of the views are new; remembers them.
-  [[nodiscard]] bool is_new(std::span<const EvidenceRow> rows);
-  /// Takes a set's observations. Those of markers beyond kMostMarkers are passed over.
-  void add(std::span<const EvidenceRow> rows);
+  /// Whether markers at `distance_m`, the mean of a set, are seen by a rig here otherwise than in
+  /// the last set that was taken: from another direction, or elsewhere in the image.
+  [[nodiscard]] bool is_new(const Rigid3& world_from_rig, double distance_m) const;
+  /// Takes a set's observations.
+  void add(const Rigid3& world_from_rig, std::span<const EvidenceRow> rows);
   /// Forgets all sets.
   void clear();
 
@@ -71,6 +72,9 @@ class Evidence {
     int sets = 0;
   };
   void begin_block();
+  void empty(Block& block);
+  void free_unused_slots();
+  [[nodiscard]] bool forget_oldest_block();
   [[nodiscard]] const Block& block_of(int age) const {
     const std::size_t kept = blocks_.size();
     return blocks_[(newest_ + kept - static_cast<std::size_t>(age)) % kept];
@@ -86,7 +90,7 @@ class Evidence {
   std::vector<Block> blocks_;
   std::size_t newest_ = 0;
   long sets_ = 0;
-  std::vector<unsigned char> seen_views_;
+  std::optional<Rigid3> last_world_from_rig_;  ///< of the last set that was taken
   Eigen::Matrix<double, 6, Eigen::Dynamic> cross_;  ///< of a set, between its pose and all else
   std::vector<Part> touched_;
   static constexpr std::size_t kNone = static_cast<std::size_t>(-1);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "tests/support/small_map.h"
@@ -15,17 +16,19 @@ constexpr std::size_t kCameras = 2;
 /// Sets whose observations are any linear functions of what may be wrong.
 class Sets : public testing::Test {
  protected:
-  [[nodiscard]] EvidenceRow row(std::size_t marker, std::size_t camera, std::uint64_t view) {
+  [[nodiscard]] EvidenceRow row(std::size_t marker, std::size_t camera) {
     const auto fill = [&](auto& matrix) {
       for (double& number : matrix.reshaped()) number = normal_(random_);
     };
-    EvidenceRow row{marker, camera, 0, view, ErrorColumns::none(0)};
+    EvidenceRow row{marker, camera, 0, ErrorColumns::none(0)};
     fill(row.columns.by_pose);
     fill(row.columns.by_marker);
     fill(row.columns.by_camera);
     fill(row.columns.residual);
     return row;
   }
+
+  void add(const std::vector<EvidenceRow>& rows) { evidence_.add(Rigid3(), rows); }
 
   CalibrationPrior prior_{test::ring_rig(kCameras), {}, test::small_map().submaps[0], false};
   Evidence evidence_{prior_, 100};
@@ -34,18 +37,50 @@ class Sets : public testing::Test {
   std::normal_distribution<double> normal_;
 };
 
-TEST_F(Sets, AreNewUntilTheSameWasSeenThreeTimes) {
-  const std::vector<EvidenceRow> rows{row(1, 0, 11), row(2, 1, 22)};
-  for (int i = 0; i < 6; ++i) EXPECT_EQ(evidence_.is_new(rows), i < 3) << i;
-  const std::vector<EvidenceRow> half{row(1, 0, 11), row(3, 1, 33)};
-  EXPECT_TRUE(evidence_.is_new(half));
+TEST_F(Sets, AreNewWhereTheRigHasMovedOrTurned) {
+  const double distance_m = 4;
+  EXPECT_TRUE(evidence_.is_new(Rigid3(), distance_m)) << "nothing was taken yet";
+  add({row(1, 0), row(2, 1)});
+  EXPECT_FALSE(evidence_.is_new(Rigid3(), distance_m)) << "it stands";
+  const auto moved = [](double x_m, double turned_rad) {
+    return Rigid3{so3_exp({0, 0, turned_rad}), {x_m, 0, 0}};
+  };
+  EXPECT_FALSE(evidence_.is_new(moved(0.11, 0), distance_m));
+  EXPECT_TRUE(evidence_.is_new(moved(0.13, 0), distance_m));
+  EXPECT_TRUE(evidence_.is_new(moved(0.11, 0), 3)) << "what is near is seen from elsewhere";
+  EXPECT_FALSE(evidence_.is_new(moved(0, 0.029), distance_m));
+  EXPECT_TRUE(evidence_.is_new(moved(0, 0.031), distance_m));
+  evidence_.clear();
+  EXPECT_TRUE(evidence_.is_new(Rigid3(), distance_m));
+}
+
+TEST_F(Sets, OfNewMarkersAlwaysCountHoweverManyCameBefore) {
+  for (std::size_t m = 0; m < 90; m += 3) {
+    add({row(m, 0), row(m + 1, 1), row(m + 2, 1)});
+    evidence_.sum(1, system_);
+    for (std::size_t seen = m; seen < m + 3; ++seen) {
+      EXPECT_NE(std::find(system_.markers.begin(), system_.markers.end(), seen),
+                system_.markers.end())
+          << seen;
+    }
+  }
+  EXPECT_EQ(evidence_.sets(), 30);
+}
+
+TEST_F(Sets, ComeAgainWhereOneBlockIsFullOfOtherMarkers) {
+  std::vector<EvidenceRow> many;
+  for (std::size_t m = 0; m < Evidence::kMostMarkers; ++m) many.push_back(row(m, 0));
+  add(many);
+  const std::size_t late = 90;
+  for (int i = 0; i < 3; ++i) add({row(late, 0), row(late + 1, 1)});
+  EXPECT_GE(evidence_.sets(), 3);
 }
 
 TEST_F(Sets, SayNothingOfWhatTheirOwnPosesExplain) {
-  std::vector<EvidenceRow> rows{row(1, 0, 1), row(2, 1, 2), row(3, 1, 3)};
+  std::vector<EvidenceRow> rows{row(1, 0), row(2, 1), row(3, 1)};
   const Vector6d pose = Vector6d::Random();
   for (EvidenceRow& r : rows) r.columns.residual = r.columns.by_pose * pose;
-  evidence_.add(rows);
+  add(rows);
   evidence_.sum(1, system_);
   EXPECT_LT(system_.evidence.norm(), 1e-5);
   EXPECT_GT(system_.information.norm(), 1);
@@ -56,8 +91,7 @@ TEST_F(Sets, SayNothingOfWhatTheirOwnPosesExplain) {
 TEST_F(Sets, ThatAreOldGoBlockByBlock) {
   const int many = Evidence::kSetsPerBlock * (Evidence::kBlocks + 2);
   for (int i = 0; i < many; ++i) {
-    evidence_.add(
-        std::vector<EvidenceRow>{row(i < Evidence::kSetsPerBlock ? 1 : 2, 0, 1), row(3, 1, 3)});
+    add({row(i < Evidence::kSetsPerBlock ? 1 : 2, 0), row(3, 1)});
   }
   evidence_.sum(1, system_);
   EXPECT_EQ(system_.sets, Evidence::kSetsPerBlock);
@@ -70,8 +104,8 @@ TEST_F(Sets, ThatAreOldGoBlockByBlock) {
 
 TEST_F(Sets, OfMoreMarkersThanAreAskedAboutTheFirstCount) {
   std::vector<EvidenceRow> rows;
-  for (std::size_t m = 0; m < 2 * Evidence::kMostMarkers; ++m) rows.push_back(row(m, 0, m));
-  evidence_.add(rows);
+  for (std::size_t m = 0; m < 2 * Evidence::kMostMarkers; ++m) rows.push_back(row(m, 0));
+  add(rows);
   evidence_.sum(1, system_);
   for (std::size_t slot = 0; slot < Evidence::kMostMarkers; ++slot) {
     EXPECT_EQ(system_.markers[slot], slot);
@@ -80,7 +114,7 @@ TEST_F(Sets, OfMoreMarkersThanAreAskedAboutTheFirstCount) {
 }
 
 TEST_F(Sets, AreForgottenWhenTold) {
-  evidence_.add(std::vector<EvidenceRow>{row(1, 0, 1), row(2, 1, 2)});
+  add({row(1, 0), row(2, 1)});
   evidence_.clear();
   evidence_.sum(4, system_);
   EXPECT_EQ(system_.sets, 0);

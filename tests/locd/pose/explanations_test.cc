@@ -32,7 +32,7 @@ class Explained : public testing::Test {
         if (r.camera == 1) c.residual += c.by_camera * camera1;
         if (r.map_index == 2) c.residual += c.by_marker * marker2;
       }
-      evidence_.add(rows);
+      evidence_.add(Rigid3(), rows);
     }
     evidence_.sum(1, system_);
   }
@@ -47,7 +47,7 @@ class Explained : public testing::Test {
     const RigCamera& cam = rig_.cameras[camera];
     for (std::size_t i = 0; i < 4; ++i)
       o.corners_px[i] = *cam.model.project(cam_from_marker * x[i]);
-    EvidenceRow row{marker, camera, 0, 0,
+    EvidenceRow row{marker, camera, 0,
                     *error_columns(o,
                                    {&cam.model, cam.rig_from_cam.inverse(), Rigid3{},
                                     cam.rig_from_cam * cam_from_marker},
