@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "core/base/check.h"
 #include "core/camera/rig_fingerprint.h"
 #include "core/estimate/consider_parameters.h"
 #include "core/marker/marker_catalog.h"
@@ -119,11 +120,18 @@ CalibrationPrior::CalibrationPrior(const Rig& rig, const SigmaCircumstances& cir
     covariance_ = root * root.transpose();
   }
   covariance_.diagonal().array() += kLeastVariance;
+  mean_.setZero(covariance_.rows());
 }
 
 std::size_t CalibrationPrior::size_of(const MapMarker& marker) const {
   const auto found = std::lower_bound(sizes_m_.begin(), sizes_m_.end(), stated_size_m(marker));
   return static_cast<std::size_t>(found - sizes_m_.begin());
+}
+
+void CalibrationPrior::learn(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
+  WAYMARK_CHECK(mean.size() == size() && covariance.rows() == size());
+  mean_ = mean;
+  covariance_ = covariance;
 }
 
 void CalibrationPrior::widen(std::size_t camera, const CalibrationVector& sigmas) {

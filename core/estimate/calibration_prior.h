@@ -10,8 +10,8 @@
 
 namespace waymark {
 
-/// What is known, before a set, of the errors that it shares with every other: zero, with a
-/// covariance. Camera by camera the numbers of its calibration, then a factor for each stated size
+/// What is known, before a set, of the errors that it shares with every other: a mean, zero until
+/// something was learnt, with a covariance. Camera by camera the numbers of its calibration, then a factor for each stated size
 /// of print, then the map's modes z ~ N(0, I), of which its markers' errors are T z each
 /// (MapMarker::modes). Kept in units of usual sigmas, so that numbers of all kinds are alike.
 class CalibrationPrior {
@@ -41,6 +41,26 @@ class CalibrationPrior {
     return first_of(cameras_) + static_cast<Eigen::Index>(size);
   }
 
+  /// In units of usual sigmas.
+  [[nodiscard]] const Eigen::VectorXd& mean() const { return mean_; }
+  /// Of one number of a camera, in its own unit.
+  [[nodiscard]] double mean_of(std::size_t camera, Eigen::Index number) const {
+    return mean_[first_of(camera) + number] * units()[number];
+  }
+  /// Mean and covariance from what was seen; in units of usual sigmas, sized as they are.
+  void learn(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
+  /// Of the instant at which a camera sees a row (−½ the first, ½ the last), s².
+  [[nodiscard]] double time_variance(std::size_t camera, double row) const {
+    const CalibrationVector v = variances_of(camera);
+    return v[kStamp] + row * row * v[kReadout];
+  }
+
+  /// The same instant's square on average, its mean included, s².
+  [[nodiscard]] double squared_time(std::size_t camera, double row) const {
+    const double mean = mean_of(camera, kStamp) + row * mean_of(camera, kReadout);
+    return mean * mean + time_variance(camera, row);
+  }
+
   /// In units of usual sigmas, squared; positive definite.
   [[nodiscard]] const Eigen::MatrixXd& covariance() const { return covariance_; }
   /// The camera's variances in their own units.
@@ -58,6 +78,7 @@ class CalibrationPrior {
   std::size_t cameras_;
   std::vector<double> sizes_m_;  ///< as stated, rising
   Eigen::Index modes_ = 0;
+  Eigen::VectorXd mean_;
   Eigen::MatrixXd covariance_;
 };
 

@@ -16,6 +16,7 @@ ConsiderPose::ConsiderPose(const CalibrationPrior& prior) : slot_(prior.cameras(
   columns_.setZero(most, 8);
   half_.setZero(most, kMotion);
   evidence_.setZero(most);
+  mean_.setZero(prior.size());
   prior_.setZero(prior.size(), prior.size());
   factor_.setZero(prior.size(), prior.size());
   prior_information_.setZero(prior.size(), prior.size());
@@ -119,7 +120,14 @@ void ConsiderPose::begin(std::span<const ConsideredObservation> observations,
   h.setZero();
   right_.head(size_).setZero();
   invert_prior(prior);
-  h.bottomRightCorner(numbers, numbers) = prior_information_.topLeftCorner(numbers, numbers);
+  const auto information = prior_information_.topLeftCorner(numbers, numbers);
+  h.bottomRightCorner(numbers, numbers) = information;
+  for (Eigen::Index i = 0; i < numbers; ++i) {
+    mean_[i] = prior.mean()[kept_[static_cast<std::size_t>(i)]];
+  }
+  const auto mean = mean_.head(numbers);
+  right_.segment(kMotion, numbers).noalias() = information * mean;
+  misfit_ = mean.dot(right_.segment(kMotion, numbers));
   h.block<6, 6>(6, 6) = SymmetricFactor<6>(velocity_covariance).inverse();
 }
 
@@ -127,7 +135,6 @@ bool ConsiderPose::solve(std::span<const ConsideredObservation> observations,
                          const CalibrationPrior& prior, const Matrix6d& velocity_covariance) {
   observations_ = observations;
   begin(observations, prior, velocity_covariance);
-  misfit_ = 0;
   freedoms_ = -6;
   for (const ConsideredObservation& o : observations) {
     if (!o.used) continue;

@@ -110,7 +110,8 @@ class ConsiderPose {
   Eigen::MatrixXd columns_;      ///< right-hand sides
   Eigen::MatrixXd half_;         ///< L⁻¹ of the motion's unit vectors: half of its covariance
   Eigen::Matrix<double, kMotion, kMotion> of_motion_;  ///< covariance
-  Eigen::MatrixXd prior_;  ///< covariance of the numbers in the system
+  Eigen::VectorXd mean_;   ///< of the prior of the numbers in the system
+  Eigen::MatrixXd prior_;  ///< its covariance
   Eigen::MatrixXd factor_;
   Eigen::MatrixXd prior_information_;  ///< its inverse
   Eigen::Index inverted_ = 0;          ///< numbers of it

@@ -15,7 +15,8 @@ namespace waymark {
 /// What is known of errors before a set.
 struct KnownErrors {
   NoiseSigmas noise_px{};        ///< added to what the detector states
-  CalibrationPrior calibration;  ///< of cameras, sizes and the map's modes
+  CalibrationPrior calibration;  ///< of cameras, sizes and the map's modes, as stated
+  CalibrationPrior learnt;       ///< the same, with what sets have told since
 };
 
 /// How far each corner may be off while inliers are searched, where corners are taken for

@@ -52,11 +52,12 @@ ErrorModel::ErrorModel(const Rig& rig, const MapIndex& map, MapWatch& markers,
       markers_(markers),
       options_(options),
       prior_(prior),
-      known_{{}, prior},
+      known_{{}, prior, prior},
       noise_(map, rig.cameras.size()),
-      evidence_(prior, map.size()),
-      of_suspects_(prior, map.size(), kBlocksToRevoke + 1),
-      explanations_(prior, map) {
+      evidence_(prior),
+      of_suspects_(prior, kBlocksToRevoke + 1),
+      explanations_(prior, map),
+      filter_(prior, map) {
   WAYMARK_CHECK(options.check().has_value());
   rows_.reserve(kMaxObservations);
   waiting_.observations.reserve(kMaxObservations);
@@ -82,9 +83,12 @@ void ErrorModel::learn_noise(Stamp stamp, std::span<const SetObservation> observ
 void ErrorModel::believe() {
   known_.noise_px = noise_.sigmas_px();
   known_.calibration = prior_;
+  known_.learnt = filter_.known();
   for (const Verdict& verdict : verdicts_) {
-    known_.calibration.widen(static_cast<std::size_t>(verdict.what.camera),
-                             Explanations::widths_of(verdict.what.kind));
+    const auto camera = static_cast<std::size_t>(verdict.what.camera);
+    const CalibrationVector widths = Explanations::widths_of(verdict.what.kind);
+    known_.calibration.widen(camera, widths);
+    known_.learnt.widen(camera, widths);
   }
 }
 
@@ -116,7 +120,7 @@ std::optional<ErrorColumns> ErrorModel::columns_of(const SetObservation& o,
   return columns;
 }
 
-void ErrorModel::make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust) {
+void ErrorModel::make_rows(const Waiting& set, const Motion& motion, const RobustPose& robust) {
   rows_.clear();
   distance_m_ = 0;
   const RigPoseSolver& solver = robust.solver();
@@ -125,9 +129,12 @@ void ErrorModel::make_rows(const Waiting& set, const Vector6d& velocity, const R
     const auto camera = static_cast<std::size_t>(o.observation.camera);
     const auto geometry = solver.geometry(o.observation.camera, set.solution.world_from_rig,
                                           map_.marker(o.map_index).world_from_marker);
-    auto columns = columns_of(o, geometry, velocity);
+    auto columns = columns_of(o, geometry, motion.velocity);
     if (!columns) continue;
-    columns->whiten(noise_covariance(o, known_.noise_px[camera]));
+    // A corner's instant is another than the set's by so much; just then the velocity was another.
+    const Vector8d shown = columns->by_pose * motion.unsure;
+    columns->whiten(noise_covariance(o, known_.noise_px[camera]) +
+                    known_.learnt.squared_time(camera, mean_row(o)) * shown * shown.transpose());
     if (!is_linear(*columns)) continue;
     rows_.push_back({o.map_index, camera, prior_.size_of(map_.marker(o.map_index)), *columns});
     distance_m_ += (geometry.world_from_marker.translation - set.solution.world_from_rig.translation)
@@ -142,12 +149,8 @@ void ErrorModel::update(Stamp stamp, std::span<const SetObservation> observation
   constexpr Stamp kGap = std::chrono::milliseconds(500);
   std::optional<std::pair<Stamp, Rigid3>> before;
   if (waiting_.there && stamp > waiting_.stamp && stamp - waiting_.stamp < kGap) {
-    // Over both neighbours: clocks and read-outs show in how fast the rig was just then.
     before = {waiting_.stamp, waiting_.solution.world_from_rig};
-    const auto& first = waiting_.before ? *waiting_.before : *before;
-    const Vector6d velocity =
-        solution.world_from_rig.minus(first.second) / in_s(stamp - first.first);
-    gather(waiting_, velocity, robust, alerts);
+    gather(waiting_, motion_of(waiting_, stamp, solution.world_from_rig), robust, alerts);
   }
   waiting_.stamp = stamp;
   waiting_.observations.assign(observations.begin(), observations.end());
@@ -159,10 +162,19 @@ void ErrorModel::update(Stamp stamp, std::span<const SetObservation> observation
       });
 }
 
-void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const RobustPose& robust,
+ErrorModel::Motion ErrorModel::motion_of(const Waiting& set, Stamp next,
+                                         const Rigid3& next_world_from_rig) {
+  const Rigid3& here = set.solution.world_from_rig;
+  const Vector6d after = next_world_from_rig.minus(here) / in_s(next - set.stamp);
+  if (!set.before) return {after, after};
+  const Vector6d before = here.minus(set.before->second) / in_s(set.stamp - set.before->first);
+  return {0.5 * (before + after), 0.5 * (after - before)};
+}
+
+void ErrorModel::gather(const Waiting& set, const Motion& motion, const RobustPose& robust,
                         std::vector<Alert>& alerts) {
   if (question_ && explanations_.advance()) answer(set.stamp, alerts);
-  make_rows(set, velocity, robust);
+  make_rows(set, motion, robust);
   const Rigid3& world_from_rig = set.solution.world_from_rig;
   if (rows_.size() < 2 || !evidence_.is_new(world_from_rig, distance_m_)) return;
   const long before = evidence_.sets();
@@ -171,12 +183,25 @@ void ErrorModel::gather(const Waiting& set, const Vector6d& velocity, const Robu
   const long sets = evidence_.sets() - forgotten_;
   const bool early = sets == 2 || sets == 4;
   look_due_ = look_due_ || early || sets % options_.sets_per_look == 0;
-  if (question_) return;
+  if (question_ || (learn_calibration(set.stamp) && !early)) return;
   ask();
   if (!question_ || !early) return;
   while (!explanations_.advance()) {
   }
   answer(set.stamp, alerts);
+}
+
+/// A block is believed when newer ones have named nobody.
+bool ErrorModel::learn_calibration(Stamp stamp) {
+  constexpr int kNewerBlocks = 3;
+  const long number = evidence_.number_of(kNewerBlocks);
+  if (number <= learnt_block_) return false;
+  learnt_block_ = number;
+  if (undecided()) return false;
+  evidence_.block(kNewerBlocks, system_);
+  static_cast<void>(filter_.take(system_, stamp));
+  believe();
+  return true;
 }
 
 const Evidence& ErrorModel::evidence_of_verdicts() const {
@@ -239,7 +264,7 @@ void ErrorModel::believe_quarantine() {
   believed_.clear();
   for (const Verdict& verdict : verdicts_) believed_.push_back(verdict.what);
   for (std::size_t slot = 0; slot < system_.views.size(); ++slot) {
-    if (system_.views[slot] == 0 || !map_.quarantined(system_.markers[slot])) continue;
+    if (!map_.quarantined(system_.markers[slot])) continue;
     believed_.push_back({AlertKind::marker_moved, -1, system_.markers[slot]});
   }
 }
@@ -321,6 +346,7 @@ void ErrorModel::judge_verdict(Stamp stamp, const Explanation& asked, std::vecto
 void ErrorModel::name(Stamp stamp, const Score& score, std::vector<Alert>& alerts) {
   // What was gathered before something went wrong does not fit what is known now.
   forget_evidence();
+  if (!score.what.of_marker()) filter_.reset();
   if (score.what.of_marker()) {
     markers_.quarantine(stamp, score.what.map_index, score.marker, alerts);
   } else {

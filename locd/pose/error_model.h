@@ -8,6 +8,7 @@
 
 #include "core/camera/rig.h"
 #include "locd/alert.h"
+#include "locd/pose/calibration_filter.h"
 #include "locd/pose/evidence.h"
 #include "locd/pose/explanations.h"
 #include "locd/pose/map_index.h"
@@ -38,7 +39,8 @@ struct ErrorModelOptions {
 /// read-out, each marker's place. Says how sure everything is before a set is solved, gathers
 /// evidence over sets in which the vehicle moved, and lets all explanations compete: the one that
 /// explains most per parameter, clearly, is named; else nobody is. A verdict is taken back when
-/// newer sets speak against it or another explanation does better. Counts in sets, knows no clock.
+/// newer sets speak against it or another explanation does better. What calibrations err by within
+/// what is stated is learnt. Counts in sets, knows no clock.
 class ErrorModel {
  public:
   /// The options are valid (checked). Rig, map and `markers`, which keeps who is quarantined, must
@@ -59,6 +61,9 @@ class ErrorModel {
   /// One set with its pose: all observations of mapped markers, used or not.
   void update(Stamp stamp, std::span<const SetObservation> observations,
               const PoseSolution& solution, const RobustPose& robust, std::vector<Alert>& alerts);
+
+  /// A set is not told of, and what the rig did until the next is no motion.
+  void interrupt() { waiting_.there = false; }
 
   /// Forgets what was gathered: something was there that no explanation is made for.
   void forget_evidence();
@@ -85,7 +90,14 @@ class ErrorModel {
     std::optional<std::pair<Stamp, Rigid3>> before;  ///< the set before it
     bool there = false;
   };
-  void gather(const Waiting& set, const Vector6d& velocity, const RobustPose& robust,
+  /// How fast the rig was at a set: over both neighbours, for clocks and read-outs show in that.
+  struct Motion {
+    Vector6d velocity;
+    Vector6d unsure;  ///< what it may differ by: half of its change from one neighbour to the other
+  };
+  [[nodiscard]] static Motion motion_of(const Waiting& set, Stamp next,
+                                        const Rigid3& next_world_from_rig);
+  void gather(const Waiting& set, const Motion& motion, const RobustPose& robust,
               std::vector<Alert>& alerts);
   /// Columns of an observation; where its marker or camera is known to be elsewhere, at what is
   /// nearer to what is seen, so that they are linear.
@@ -93,7 +105,7 @@ class ErrorModel {
                                                        ObservationGeometry geometry,
                                                        const Vector6d& velocity) const;
   void add_evidence(const Rigid3& world_from_rig);
-  void make_rows(const Waiting& set, const Vector6d& velocity, const RobustPose& robust);
+  void make_rows(const Waiting& set, const Motion& motion, const RobustPose& robust);
   /// Whether a block of sets on its own speaks rather for another explanation, or for none.
   [[nodiscard]] bool contradicted_by_block(const Evidence& evidence, int age,
                                            const Explanation& what);
@@ -105,6 +117,8 @@ class ErrorModel {
     int blocks = 0;                    ///< of evidence
     std::optional<Explanation> asked;  ///< a verdict, as if it had not been given
   };
+  /// Whether there was a block to be learnt from.
+  bool learn_calibration(Stamp stamp);
   void ask();
   void answer(Stamp stamp, std::vector<Alert>& alerts);
   void judge_explanations(Stamp stamp, int blocks, std::vector<Alert>& alerts);
@@ -127,6 +141,8 @@ class ErrorModel {
   Evidence evidence_;     ///< without what suspects see: it is explained, and may change with the motion
   Evidence of_suspects_;  ///< with it, for the question whether they are so still
   Explanations explanations_;
+  CalibrationFilter filter_;
+  long learnt_block_ = 0;  ///< the last that the filter was offered
   Evidence::System system_;
   std::vector<EvidenceRow> rows_;
   double distance_m_ = 0;  ///< to their markers, mean

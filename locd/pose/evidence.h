@@ -28,12 +28,12 @@ class Evidence {
   static constexpr int kSetsPerBlock = 8;
   /// Blocks that are kept for the longest question.
   static constexpr int kBlocks = 17;
-  /// Markers that are asked about at a time. Where more come, the oldest blocks go, so that the newest
-  /// are told of; of more in one block, the first seen.
+  /// Markers of a block, and those that are asked about at a time: of more the first seen in a block,
+  /// and as many of the newest blocks as hold no others.
   static constexpr std::size_t kMostMarkers = 32;
 
   /// `blocks`: how many are kept (2–kBlocks).
-  Evidence(const CalibrationPrior& prior, std::size_t map_markers, int blocks = kBlocks);
+  explicit Evidence(const CalibrationPrior& prior, int blocks = kBlocks);
 
   /// Whether markers at `distance_m`, the mean of a set, are seen by a rig here otherwise than in
   /// the last set that was taken: from another direction, or elsewhere in the image.
@@ -45,55 +45,59 @@ class Evidence {
 
   /// Sets that were taken since the start.
   [[nodiscard]] long sets() const { return sets_; }
-  /// The newest sets as one system; `blocks` of them, at least half a block.
+  /// Normal equations of some sets: first cameras' and sizes' numbers, then six of each marker.
   struct System {
-    Eigen::MatrixXd information;
+    Eigen::MatrixXd information;  ///< as large as it may become; the upper left part is used
     Eigen::VectorXd evidence;
-    std::vector<std::size_t> markers;  ///< by slot, map index
-    std::vector<int> views;            ///< new ones, by slot
-    std::vector<int> sets_of_camera;
+    std::vector<std::size_t> markers;  ///< map indices, in their order
+    std::vector<int> views;            ///< of each marker, new ones
+    std::vector<int> sets_of_camera;   ///< observations of each camera
     int sets = 0;
   };
+  /// The newest sets as one system; `blocks` of them, at least half a block.
   void sum(int blocks, System& system) const;
   /// One block alone: 0 the newest, 1 the one before.
   void block(int age, System& system) const;
+  /// Which of all blocks since the start that is, from 1; 0: it is empty.
+  [[nodiscard]] long number_of(int age) const {
+    return block_of(age).sets > 0 ? block_of(age).number : 0;
+  }
 
  private:
+  struct Block : System {
+    long number = 0;
+  };
+  /// Where some numbers stand.
   struct Part {
     Eigen::Index at, size;
     bool operator==(const Part&) const = default;
   };
-  struct Block {
-    Eigen::MatrixXd information;
-    Eigen::VectorXd evidence;
-    std::vector<Part> parts;  ///< of it that are not zero
-    std::vector<int> views;
-    std::vector<int> sets_of_camera;
-    int sets = 0;
-  };
+  void prepare(System& system) const;
+  void empty(System& system) const;
   void begin_block();
-  void empty(Block& block);
-  void free_unused_slots();
-  [[nodiscard]] bool forget_oldest_block();
   [[nodiscard]] const Block& block_of(int age) const {
     const std::size_t kept = blocks_.size();
     return blocks_[(newest_ + kept - static_cast<std::size_t>(age)) % kept];
   }
-  [[nodiscard]] std::optional<std::size_t> slot_for(std::size_t map_index);
-  static void touch(const Part& part, std::vector<Part>& parts);
+  /// The marker's place among a system's; it is given one where there is room.
+  [[nodiscard]] static std::optional<std::size_t> slot_in(System& system, std::size_t map_index);
+  [[nodiscard]] Eigen::Index at_marker(std::size_t slot) const {
+    return calibration_ + 6 * static_cast<Eigen::Index>(slot);
+  }
+  void eliminate_pose(Matrix6d& of_pose, Vector6d& pull, System& system);
+  /// False: it holds markers for which there is no room.
+  [[nodiscard]] bool add_block(const Block& block, System& system) const;
 
   std::size_t cameras_;
   Eigen::Index first_size_;
-  Eigen::Index calibration_;                 ///< numbers of cameras and sizes
-  std::vector<int> slot_of_marker_;          ///< −1: none
-  std::vector<std::size_t> marker_of_slot_;  ///< kNone: free
+  Eigen::Index calibration_;  ///< numbers of cameras and sizes
   std::vector<Block> blocks_;
   std::size_t newest_ = 0;
   long sets_ = 0;
-  std::optional<Rigid3> last_world_from_rig_;  ///< of the last set that was taken
+  long blocks_begun_ = 0;
+  std::optional<Rigid3> last_world_from_rig_;       ///< of the last set that was taken
   Eigen::Matrix<double, 6, Eigen::Dynamic> cross_;  ///< of a set, between its pose and all else
-  std::vector<Part> touched_;
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::vector<Part> touched_;                       ///< by a set
 };
 
 }  // namespace waymark

@@ -68,45 +68,15 @@ CalibrationVector Explanations::widths_of(AlertKind kind) {
 
 Explanations::Explanations(const CalibrationPrior& prior, const MapIndex& map)
     : map_(map), cameras_(prior.cameras()) {
-  slots_.reserve(Evidence::kMostMarkers);
   own_roots_.reserve(Evidence::kMostMarkers);
   scores_.reserve(kKindsOfCamera.size() * cameras_ + Evidence::kMostMarkers);
   const Eigen::Index markers = 6 * static_cast<Eigen::Index>(Evidence::kMostMarkers);
   const Eigen::Index size = prior.numbers() + markers;
   const Eigen::Index freedoms = prior.size() + markers;
-  information_.setZero(size, size);
-  evidence_.setZero(size);
   shared_root_.setZero(prior.modes() + size, prior.size());
   kernel_.setZero(freedoms, freedoms);
   reduced_.setZero(freedoms, size);
   answered_.setZero(freedoms);
-}
-
-void Explanations::select() {
-  const Evidence::System& system = *system_;
-  slots_.clear();
-  for (std::size_t i = 0; i < system.views.size(); ++i) {
-    if (system.views[i] > 0) slots_.push_back(i);
-  }
-  numbers_ = prior_->numbers();
-  shared_ = prior_->size();
-  size_ = numbers_ + 6 * static_cast<Eigen::Index>(slots_.size());
-  const auto from = [&](std::size_t i) {
-    return numbers_ + 6 * static_cast<Eigen::Index>(slots_[i]);
-  };
-  information_.topLeftCorner(numbers_, numbers_) =
-      system.information.topLeftCorner(numbers_, numbers_);
-  evidence_.head(numbers_) = system.evidence.head(numbers_);
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    const Eigen::Index to = numbers_ + 6 * static_cast<Eigen::Index>(i);
-    evidence_.segment<6>(to) = system.evidence.segment<6>(from(i));
-    information_.block(to, 0, 6, numbers_) = system.information.block(from(i), 0, 6, numbers_);
-    information_.block(0, to, numbers_, 6) = system.information.block(0, from(i), numbers_, 6);
-    for (std::size_t k = 0; k < slots_.size(); ++k) {
-      information_.block<6, 6>(to, numbers_ + 6 * static_cast<Eigen::Index>(k)) =
-          system.information.block<6, 6>(from(i), from(k));
-    }
-  }
 }
 
 bool Explanations::take_roots() {
@@ -126,8 +96,8 @@ bool Explanations::take_roots() {
   if (!factor_in_place(shared)) return false;
   shared.triangularView<Eigen::StrictlyUpper>().setZero();
   own_roots_.clear();
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    const std::size_t map_index = system_->markers[slots_[i]];
+  for (std::size_t i = 0; i < system_->markers.size(); ++i) {
+    const std::size_t map_index = system_->markers[i];
     const Eigen::Index row = 6 * static_cast<Eigen::Index>(i);
     auto following = shared_root_.middleRows<6>(shared_ + row);
     following.setZero();
@@ -152,7 +122,7 @@ bool Explanations::take_roots() {
 void Explanations::multiply_by_roots() {
   const Eigen::Index markers = size_ - numbers_;
   freedoms_ = shared_ + 6 * static_cast<Eigen::Index>(own_roots_.size());
-  const auto a = information_.topLeftCorner(size_, size_);
+  const auto a = system_->information.topLeftCorner(size_, size_);
   const auto of_numbers = shared_root_.topRows(numbers_);
   const auto of_markers = shared_root_.middleRows(shared_, markers);
   auto reduced = reduced_.topLeftCorner(freedoms_, size_);
@@ -161,13 +131,13 @@ void Explanations::multiply_by_roots() {
   if (prior_->modes() > 0) {  // markers follow nothing else
     add_transposed_product(of_markers, a.bottomRows(markers), reduced.topRows(shared_));
   }
-  answered_.head(shared_).noalias() = of_numbers.transpose() * evidence_.head(numbers_);
+  answered_.head(shared_).noalias() = of_numbers.transpose() * system_->evidence.head(numbers_);
   answered_.head(shared_).noalias() +=
-      of_markers.transpose() * evidence_.segment(numbers_, markers);
+      of_markers.transpose() * system_->evidence.segment(numbers_, markers);
   Eigen::Index at = shared_;
   for (const OwnRoot& own : own_roots_) {
     reduced.middleRows<6>(at).noalias() = own.root.transpose() * a.middleRows<6>(own.row);
-    answered_.segment<6>(at) = own.root.transpose() * evidence_.segment<6>(own.row);
+    answered_.segment<6>(at) = own.root.transpose() * system_->evidence.segment<6>(own.row);
     at += 6;
   }
 }
@@ -199,6 +169,9 @@ void Explanations::begin(const Evidence::System& system, const CalibrationPrior&
   system_ = &system;
   prior_ = &prior;
   believed_ = believed;
+  numbers_ = prior.numbers();
+  shared_ = prior.size();
+  size_ = numbers_ + 6 * static_cast<Eigen::Index>(system.markers.size());
   scores_.clear();
   step_ = 0;
 }
@@ -211,7 +184,6 @@ bool Explanations::advance() {
 bool Explanations::do_step(int step) {
   switch (step) {
     case 0:
-      select();
       return take_roots();
     case 1:
       multiply_by_roots();
@@ -239,9 +211,9 @@ void Explanations::score_camera(int camera, AlertKind kind) {
   const Eigen::Index at = CalibrationPrior::first_of(static_cast<std::size_t>(camera));
   using Square = Eigen::Matrix<double, kCalibrationNumbers, kCalibrationNumbers>;
   const auto reduced = reduced_.topRows(freedoms_).middleCols<kCalibrationNumbers>(at);
-  Square information = information_.block<kCalibrationNumbers, kCalibrationNumbers>(at, at);
+  Square information = system_->information.block<kCalibrationNumbers, kCalibrationNumbers>(at, at);
   information.noalias() -= reduced.transpose() * reduced;
-  CalibrationVector evidence = evidence_.segment<kCalibrationNumbers>(at);
+  CalibrationVector evidence = system_->evidence.segment<kCalibrationNumbers>(at);
   evidence.noalias() -= reduced.transpose() * answered_.head(freedoms_);
   // Numbers without width cost nothing and explain nothing.
   const CalibrationVector widths = widths_of(kind);
@@ -259,9 +231,9 @@ void Explanations::score_camera(int camera, AlertKind kind) {
 
 void Explanations::score_marker(Eigen::Index at, std::size_t slot) {
   const auto reduced = reduced_.topRows(freedoms_).middleCols<6>(at);
-  Matrix6d information = information_.block<6, 6>(at, at);
+  Matrix6d information = system_->information.block<6, 6>(at, at);
   information.noalias() -= reduced.transpose() * reduced;
-  Vector6d evidence = evidence_.segment<6>(at);
+  Vector6d evidence = system_->evidence.segment<6>(at);
   evidence.noalias() -= reduced.transpose() * answered_.head(freedoms_);
   Vector6d widths;
   widths << Eigen::Vector3d::Constant(kMoved_m), Eigen::Vector3d::Constant(kTurned_rad);
@@ -286,8 +258,8 @@ void Explanations::score_all() {
       if (cameras_ > 1 || !of_several) score_camera(camera, kind);
     }
   }
-  for (std::size_t i = 0; i < slots_.size(); ++i) {
-    score_marker(numbers_ + 6 * static_cast<Eigen::Index>(i), slots_[i]);
+  for (std::size_t i = 0; i < system_->markers.size(); ++i) {
+    score_marker(numbers_ + 6 * static_cast<Eigen::Index>(i), i);
   }
   std::sort(scores_.begin(), scores_.end(),
             [](const Score& a, const Score& b) { return a.gain > b.gain; });

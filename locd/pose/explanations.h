@@ -67,8 +67,6 @@ class Explanations {
     Matrix6d root;
   };
   // All numbers are eliminated under their prior, step by step; false: they are no numbers.
-  /// Takes the numbers that are asked about out of the system.
-  void select();
   /// Prior roots: of what is shared, and of each marker's own.
   [[nodiscard]] bool take_roots();
   /// Rᵀ A and Rᵀ b of the prior's root R.
@@ -89,14 +87,11 @@ class Explanations {
   std::span<const Explanation> believed_;
   int step_ = kSteps;  ///< the next; kSteps: done
   std::vector<Score> scores_;
-  std::vector<std::size_t> slots_;  ///< of the markers asked about
   Eigen::Index numbers_ = 0;        ///< of cameras and sizes
   Eigen::Index shared_ = 0;         ///< those and the modes
   Eigen::Index size_ = 0;           ///< of all that is asked about
   Eigen::Index freedoms_ = 0;       ///< of the prior
   // Each as large as it may become; the upper left part is used.
-  Eigen::MatrixXd information_;  ///< of the numbers asked about
-  Eigen::VectorXd evidence_;
   Eigen::MatrixXd shared_root_;  ///< of the prior of cameras, sizes and modes, which markers follow
   std::vector<OwnRoot> own_roots_;
   Eigen::MatrixXd kernel_;    ///< I + Rᵀ A R, then its factor

@@ -165,7 +165,10 @@ void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate
                      solution.inlier_markers >= 2 &&
                      solution.inlier_markers >= solution.outlier_markers;
   if (tells) error_model.update(estimate.stamp, all, solution, robust, alerts);
-  if (estimate.has(PoseReason::jump)) return;
+  if (estimate.has(PoseReason::jump)) {
+    error_model.interrupt();
+    return;
+  }
   map_watch.update(estimate.stamp, all, solution, swap_watch.trusted(), alerts);
   map_watch.forget_unknown(estimate.stamp, alerts);
   if (solution.ambiguous || solution.inlier_markers < 2) return;

@@ -70,6 +70,28 @@ MotionStep motion_step(const MotionEvidence& evidence, const VelocityPrior& prio
   return step;
 }
 
+Matrix6d covariance_of_unknown_times(std::span<const SetObservation> observations,
+                                     std::span<const ConsideredObservation> considered,
+                                     const ConsiderPose& pose, const CalibrationPrior& known) {
+  const Matrix6d of_velocity = pose.velocity_covariance();
+  Matrix6d lacking = Matrix6d::Zero();
+  for (std::size_t camera = 0; camera < known.cameras(); ++camera) {
+    // How the pose follows a motion that this camera alone shows, as a whole and row by row.
+    Matrix6d whole = Matrix6d::Zero();
+    Matrix6d by_row = Matrix6d::Zero();
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      if (!considered[i].used || considered[i].camera != camera) continue;
+      const Matrix6d share = pose.gain(i) * considered[i].columns.by_pose;
+      whole += share;
+      by_row += mean_row(observations[i]) * share;
+    }
+    const CalibrationVector variances = known.variances_of(camera);
+    lacking += variances[kStamp] * (whole * of_velocity * whole.transpose());
+    lacking += variances[kReadout] * (by_row * of_velocity * by_row.transpose());
+  }
+  return 0.5 * (lacking + lacking.transpose());
+}
+
 MapDependence::MapDependence(const MapIndex& map) : map_(map) { shares_.reserve(map.size()); }
 
 Matrix6d MapDependence::of(std::span<const SetObservation> observations,

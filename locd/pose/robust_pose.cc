@@ -91,6 +91,8 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   if (!map_.independent()) {
     solution.covariance += dependence_.of(observations, considered_, consider_);
   }
+  solution.covariance += covariance_of_unknown_times(observations, considered_, consider_,
+                                                     known.learnt);
   solution.misfit = consider_.misfit();
   solution.freedoms = consider_.freedoms();
   whitening_.move_to_set_instant(observations, pose, solution.velocity);
@@ -126,7 +128,7 @@ bool RobustPose::rivals_agree(std::span<SetObservation> observations,
 }
 
 ConsideredObservation RobustPose::linearize(const SetObservation& observation, const Rigid3& pose,
-                                            const Vector6d& velocity,
+                                            const VelocityPrior& velocity,
                                             const KnownErrors& known) const {
   constexpr double kFitsNothing = 1e4;  // sigmas
   const MapMarker& marker = map_.marker(observation.map_index);
@@ -134,10 +136,15 @@ ConsideredObservation RobustPose::linearize(const SetObservation& observation, c
   considered.camera = static_cast<std::size_t>(observation.observation.camera);
   considered.size = known.calibration.size_of(marker);
   considered.used = observation.inlier;
+  // How much of the velocity's error a corner shows: by its instant as it was learnt to be.
+  CornerTimes times{observation.after_s, observation.row};
+  const double late_s = known.learnt.mean_of(considered.camera, kStamp);
+  const double readout_s = known.learnt.mean_of(considered.camera, kReadout);
+  for (std::size_t i = 0; i < 4; ++i) times.after_s[i] += late_s + times.row[i] * readout_s;
   const auto columns = error_columns(
       observation.observation,
-      solver_.geometry(observation.observation.camera, pose, marker.world_from_marker),
-      {observation.after_s, observation.row}, velocity);
+      solver_.geometry(observation.observation.camera, pose, marker.world_from_marker), times,
+      velocity.velocity);
   if (!columns) {
     considered.used = false;
     considered.columns = ErrorColumns::none(kFitsNothing);
@@ -145,9 +152,11 @@ ConsideredObservation RobustPose::linearize(const SetObservation& observation, c
   }
   considered.columns = *columns;
   const auto& by_marker = considered.columns.by_marker;
-  const Matrix8d covariance =
+  Matrix8d covariance =
       noise_covariance(observation, known.noise_px[considered.camera]) +
       by_marker * map_.own_covariance(observation.map_index) * by_marker.transpose();
+  covariance += known.learnt.time_variance(considered.camera, mean_row(observation)) *
+                (columns->by_pose * velocity.covariance * columns->by_pose.transpose());
   considered.columns.whiten(covariance);
   if (known.calibration.modes() > 0) {
     considered.by_modes.noalias() = by_marker * marker.modes.cast<double>();
@@ -166,11 +175,11 @@ bool RobustPose::refine(std::span<SetObservation> observations, const VelocityPr
     considered_.clear();
     int inliers = 0;
     for (const SetObservation& o : observations) {
-      considered_.push_back(linearize(o, pose, velocity.velocity, known));
+      considered_.push_back(linearize(o, pose, velocity, known));
       inliers += considered_.back().used ? 1 : 0;
     }
     if (inliers == 0) return false;
-    if (!consider_.solve(considered_, known.calibration, velocity.covariance)) return false;
+    if (!consider_.solve(considered_, known.learnt, velocity.covariance)) return false;
     const Vector6d step = consider_.step();
     pose = pose.plus(step);
     bool changed = step.head<3>().norm() > kLinear_m || step.tail<3>().norm() > kLinear_rad;

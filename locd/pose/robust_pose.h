@@ -97,7 +97,7 @@ class RobustPose {
   /// An observation at a pose, whitened by its noise and its marker's own error; one of which a
   /// corner can't be projected fits nothing.
   [[nodiscard]] ConsideredObservation linearize(const SetObservation& observation,
-                                                const Rigid3& pose, const Vector6d& velocity,
+                                                const Rigid3& pose, const VelocityPrior& velocity,
                                                 const KnownErrors& known) const;
   /// From a pose nearby to the optimum with consider parameters; says anew who is an inlier.
   [[nodiscard]] bool refine(std::span<SetObservation> observations, const VelocityPrior& velocity,

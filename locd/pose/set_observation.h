@@ -28,6 +28,11 @@ struct SetObservation {
   }
 };
 
+/// Where the marker lies, from the first row (−½) to the last (½).
+[[nodiscard]] inline double mean_row(const SetObservation& o) {
+  return (o.row[0] + o.row[1] + o.row[2] + o.row[3]) / 4;
+}
+
 /// Covariance of its corners' noise (px²): the detector's, and what the model adds.
 [[nodiscard]] inline Eigen::Matrix<double, 8, 8> noise_covariance(const SetObservation& o,
                                                                   double noise_px) {

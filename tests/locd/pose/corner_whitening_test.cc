@@ -46,7 +46,9 @@ class Whitened : public testing::Test {
   MapIndex map_{one_marker()};
   RigPoseSolver solver_{rig_, {}};
   CornerWhitening whitening_{map_, solver_};
-  KnownErrors known_{{0.1, 0.1}, CalibrationPrior(rig_, {}, map_.submap(), false)};
+  KnownErrors known_{{0.1, 0.1},
+                     CalibrationPrior(rig_, {}, map_.submap(), false),
+                     CalibrationPrior(rig_, {}, map_.submap(), false)};
 };
 
 TEST_F(Whitened, WhatIsExactIsNoiseAlone) {

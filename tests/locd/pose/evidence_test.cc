@@ -31,7 +31,7 @@ class Sets : public testing::Test {
   void add(const std::vector<EvidenceRow>& rows) { evidence_.add(Rigid3(), rows); }
 
   CalibrationPrior prior_{test::ring_rig(kCameras), {}, test::small_map().submaps[0], false};
-  Evidence evidence_{prior_, 100};
+  Evidence evidence_{prior_};
   Evidence::System system_;
   std::mt19937 random_{1};
   std::normal_distribution<double> normal_;

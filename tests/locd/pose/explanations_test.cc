@@ -66,7 +66,7 @@ class Explained : public testing::Test {
   Rig rig_ = usual_rig();
   MapIndex map_{exact_map()};
   CalibrationPrior prior_{rig_, {}, map_.submap(), false};
-  Evidence evidence_{prior_, 3};
+  Evidence evidence_{prior_};
   Evidence::System system_;
   Explanations explanations_{prior_, map_};
   std::mt19937 random_{4};
