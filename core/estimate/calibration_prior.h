@@ -49,16 +49,12 @@ class CalibrationPrior {
   }
   /// Mean and covariance from what was seen; in units of usual sigmas, sized as they are.
   void learn(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance);
-  /// Of the instant at which a camera sees a row (−½ the first, ½ the last), s².
-  [[nodiscard]] double time_variance(std::size_t camera, double row) const {
-    const CalibrationVector v = variances_of(camera);
-    return v[kStamp] + row * row * v[kReadout];
-  }
-
-  /// The same instant's square on average, its mean included, s².
+  /// The square of the instant at which a camera sees a row (−½ the first, ½ the last) less the
+  /// instant that is stated, on average, s².
   [[nodiscard]] double squared_time(std::size_t camera, double row) const {
     const double mean = mean_of(camera, kStamp) + row * mean_of(camera, kReadout);
-    return mean * mean + time_variance(camera, row);
+    const CalibrationVector v = variances_of(camera);
+    return mean * mean + v[kStamp] + row * row * v[kReadout];
   }
 
   /// In units of usual sigmas, squared; positive definite.

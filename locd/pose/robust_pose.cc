@@ -1,6 +1,7 @@
 #include "locd/pose/robust_pose.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <limits>
 
@@ -155,8 +156,11 @@ ConsideredObservation RobustPose::linearize(const SetObservation& observation, c
   Matrix8d covariance =
       noise_covariance(observation, known.noise_px[considered.camera]) +
       by_marker * map_.own_covariance(observation.map_index) * by_marker.transpose();
-  covariance += known.learnt.time_variance(considered.camera, mean_row(observation)) *
-                (columns->by_pose * velocity.covariance * columns->by_pose.transpose());
+  // A motion that is not known moves rows that are not known to when they were read.
+  const double row = mean_row(observation);
+  const double row_variance = row * row * known.learnt.variances_of(considered.camera)[kReadout];
+  covariance +=
+      row_variance * (columns->by_pose * velocity.covariance * columns->by_pose.transpose());
   considered.columns.whiten(covariance);
   if (known.calibration.modes() > 0) {
     considered.by_modes.noalias() = by_marker * marker.modes.cast<double>();
@@ -166,10 +170,22 @@ ConsideredObservation RobustPose::linearize(const SetObservation& observation, c
 
 bool RobustPose::refine(std::span<SetObservation> observations, const VelocityPrior& velocity,
                         const KnownErrors& known, Rigid3& pose) {
-  constexpr int kRounds = 4;
+  std::bitset<kMaxObservations> inliers;
+  for (std::size_t i = 0; i < observations.size(); ++i) inliers[i] = observations[i].inlier;
+  const Rigid3 start = pose;
+  if (refine_by(observations, velocity, known, known.learnt, pose)) return true;
+  // Calibrations may be other than was learnt since a moment ago.
+  for (std::size_t i = 0; i < observations.size(); ++i) observations[i].inlier = inliers[i];
+  pose = start;
+  return refine_by(observations, velocity, known, known.calibration, pose);
+}
+
+bool RobustPose::refine_by(std::span<SetObservation> observations, const VelocityPrior& velocity,
+                           const KnownErrors& known, const CalibrationPrior& calibration,
+                           Rigid3& pose) {
+  constexpr int kRounds = 6;
   constexpr double kLinear_m = 0.003;
   constexpr double kLinear_rad = 0.001;
-  const double limit = options_.inlier_sigmas * options_.inlier_sigmas;
   for (int round = 0; round < kRounds; ++round) {
     whitening_.move_to_set_instant(observations, pose, velocity.velocity);
     considered_.clear();
@@ -179,20 +195,36 @@ bool RobustPose::refine(std::span<SetObservation> observations, const VelocityPr
       inliers += considered_.back().used ? 1 : 0;
     }
     if (inliers == 0) return false;
-    if (!consider_.solve(considered_, known.learnt, velocity.covariance)) return false;
+    if (!consider_.solve(considered_, calibration, velocity.covariance)) return false;
     const Vector6d step = consider_.step();
     pose = pose.plus(step);
-    bool changed = step.head<3>().norm() > kLinear_m || step.tail<3>().norm() > kLinear_rad;
-    for (std::size_t i = 0; i < observations.size(); ++i) {
-      SetObservation& o = observations[i];
-      o.sigmas_squared = consider_.squared_sigmas(i);
-      changed = changed || o.inlier != (o.sigmas_squared <= limit);
-      o.inlier = o.sigmas_squared <= limit;
+    const bool settled = tell_inliers(observations);
+    if (settled && step.head<3>().norm() <= kLinear_m && step.tail<3>().norm() <= kLinear_rad) {
+      return true;
     }
-    if (!changed) return true;
   }
   return std::any_of(observations.begin(), observations.end(),
                      [](const SetObservation& o) { return o.inlier; });
+}
+
+/// By what each leaves of the pose of the others. One that is grossly wrong makes others seem so:
+/// those far behind the worst are judged when it is out. True: nothing has changed.
+bool RobustPose::tell_inliers(std::span<SetObservation> observations) {
+  constexpr double kFarBehind = 0.25;
+  double worst = 0;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    observations[i].sigmas_squared = consider_.squared_sigmas(i);
+    if (observations[i].inlier) worst = std::max(worst, observations[i].sigmas_squared);
+  }
+  const double limit =
+      std::max(options_.inlier_sigmas * options_.inlier_sigmas, kFarBehind * worst);
+  bool settled = true;
+  for (SetObservation& o : observations) {
+    const bool inlier = o.sigmas_squared <= (o.inlier ? limit : options_.inlier_sigmas * options_.inlier_sigmas);
+    settled = settled && inlier == o.inlier;
+    o.inlier = inlier;
+  }
+  return settled;
 }
 
 std::optional<RigPoseEstimate> RobustPose::find_pose(std::span<SetObservation> observations,

@@ -102,6 +102,11 @@ class RobustPose {
   /// From a pose nearby to the optimum with consider parameters; says anew who is an inlier.
   [[nodiscard]] bool refine(std::span<SetObservation> observations, const VelocityPrior& velocity,
                             const KnownErrors& known, Rigid3& pose);
+  /// The same by one belief about calibrations.
+  [[nodiscard]] bool refine_by(std::span<SetObservation> observations,
+                               const VelocityPrior& velocity, const KnownErrors& known,
+                               const CalibrationPrior& calibration, Rigid3& pose);
+  [[nodiscard]] bool tell_inliers(std::span<SetObservation> observations);
   /// Whether three outliers or more, not many fewer than inliers, agree on another pose.
   [[nodiscard]] bool rivals_agree(std::span<SetObservation> observations,
                                   const PoseSolution& solution);
