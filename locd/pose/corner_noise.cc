@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/base/median.h"
 #include "core/estimate/ippe.h"
@@ -108,34 +107,6 @@ void CornerNoise::compare_with_usual() {
   usual_px_ *= std::pow(total_px_ / usual_px_, 1 / kUsualUpdates);
 }
 
-namespace {
-
-/// What corners leave of a marker's own pose, from one start: sigmas². Infinite where it is none.
-double left_from(const MarkerObservation& own, const CameraModel& model, Rigid3 pose) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  double squared = kNone;
-  for (int round = 0; round < 3; ++round) {
-    const auto corners = linearize_corners(own, {&model, {}, {}, pose});
-    if (!corners) return kNone;
-    Matrix6d hessian = Matrix6d::Zero();
-    Vector6d gradient = Vector6d::Zero();
-    squared = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Jacobian26 j = own.whitening[i] * (*corners)[i].jacobians.d_marker;
-      hessian += j.transpose() * j;
-      gradient += j.transpose() * (*corners)[i].residual;
-      squared += (*corners)[i].residual.squaredNorm();
-    }
-    const Vector6d step = -SymmetricFactor<6>(hessian).solve(gradient);
-    if (!step.allFinite()) return kNone;
-    pose = pose.plus(step);
-    squared += gradient.dot(step);  // at the linear optimum
-  }
-  return std::max(squared, 0.0);
-}
-
-}  // namespace
-
 std::optional<CornerNoise::Left> left_by_own_pose(const SetObservation& observation,
                                                   const CameraModel& model,
                                                   const std::optional<Rigid3>& cam_from_marker,
@@ -149,17 +120,33 @@ std::optional<CornerNoise::Left> left_by_own_pose(const SetObservation& observat
                                                  sigma_px * sigma_px * Eigen::Matrix2d::Identity());
   }
   left.variance_px2 = left.stated_px2 + sigma_px * sigma_px;
-  double squared = std::numeric_limits<double>::infinity();
+  Rigid3 pose;
   if (cam_from_marker) {
-    squared = left_from(own, model, *cam_from_marker);
-  } else if (const auto ippe = solve_ippe(model, own.corners_px, own.size_m)) {
-    // Either may be the flipped one, whose optimum leaves more than noise.
-    for (const Rigid3& start : ippe->cam_from_marker) {
-      squared = std::min(squared, left_from(own, model, start));
-    }
+    pose = *cam_from_marker;
+  } else {
+    const auto ippe = solve_ippe(model, own.corners_px, own.size_m);
+    if (!ippe) return std::nullopt;
+    pose = ippe->cam_from_marker[0];
   }
-  if (!std::isfinite(squared)) return std::nullopt;
-  left.squared_px2 = squared * left.variance_px2;
+  double squared = 0;
+  for (int round = 0; round < 3; ++round) {
+    const auto corners = linearize_corners(own, {&model, {}, {}, pose});
+    if (!corners) return std::nullopt;
+    Matrix6d hessian = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    squared = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Jacobian26 j = own.whitening[i] * (*corners)[i].jacobians.d_marker;
+      hessian += j.transpose() * j;
+      gradient += j.transpose() * (*corners)[i].residual;
+      squared += (*corners)[i].residual.squaredNorm();
+    }
+    const Vector6d step = -SymmetricFactor<6>(hessian).solve(gradient);
+    if (!step.allFinite()) return std::nullopt;
+    pose = pose.plus(step);
+    squared += gradient.dot(step);  // at the linear optimum
+  }
+  left.squared_px2 = std::max(squared, 0.0) * left.variance_px2;
   return left;
 }
 
