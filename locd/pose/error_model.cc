@@ -222,32 +222,32 @@ void ErrorModel::add_evidence(const Rigid3& world_from_rig) {
   evidence_.add(world_from_rig, std::span(rows_.begin(), others));
 }
 
+/// By turns: what explains the newest sets, and whether a verdict still holds.
 void ErrorModel::ask() {
-  bool of_verdict = false;
-  if (look_due_) {
-    constexpr std::array<int, 6> kWindows{1, 2, 4, 1, 2, 16};
-    question_ = {kWindows[static_cast<std::size_t>(looks_) % kWindows.size()], std::nullopt};
-    ++looks_;
-    back_due_ = back_due_ || looks_ % 3 == 0;
-    look_due_ = false;
-  } else if (back_due_) {
-    question_ = {kBlocksToRevoke, std::nullopt};
+  if (back_due_) {
     back_due_ = false;
-    of_verdict = true;
-  } else {
-    return;
+    if (ask_of_a_verdict()) return;
   }
-  (of_verdict ? evidence_of_verdicts() : evidence_).sum(question_->blocks, system_);
+  if (!look_due_) return;
+  look_due_ = false;
+  back_due_ = true;
+  constexpr std::array<int, 6> kWindows{1, 2, 4, 1, 2, 16};
+  question_ = {kWindows[static_cast<std::size_t>(looks_++) % kWindows.size()], std::nullopt};
+  evidence_.sum(question_->blocks, system_);
   believe_quarantine();
-  if (of_verdict) {
-    if (believed_.empty()) {
-      question_.reset();
-      return;
-    }
-    question_->asked = believed_[static_cast<std::size_t>(looks_ / 3 - 1) % believed_.size()];
-    std::erase(believed_, *question_->asked);
-  }
   explanations_.begin(system_, prior_, believed_);
+}
+
+/// False: nobody is named.
+bool ErrorModel::ask_of_a_verdict() {
+  evidence_of_verdicts().sum(kBlocksToRevoke, system_);
+  believe_quarantine();
+  if (believed_.empty()) return false;
+  const Explanation asked = believed_[static_cast<std::size_t>(looks_back_++) % believed_.size()];
+  std::erase(believed_, asked);
+  question_ = {kBlocksToRevoke, asked};
+  explanations_.begin(system_, prior_, believed_);
+  return true;
 }
 
 void ErrorModel::answer(Stamp stamp, std::vector<Alert>& alerts) {
@@ -300,11 +300,16 @@ void ErrorModel::judge_explanations(Stamp stamp, int blocks, std::vector<Alert>&
   if (!clear || !nameable(*best)) return;
   const Score found = *best;
   // Where something changed within these sets, what explains their mixture is not what is wrong.
-  if (contradicted_by_block(evidence_, 0, found.what) ||
-      contradicted_by_block(evidence_, 1, found.what)) {
-    return;
-  }
+  if (contradicted_by_a_block(evidence_, found.what)) return;
   name(stamp, found, alerts);
+}
+
+/// Of the two newest blocks, a new one that holds hardly anything passed over.
+bool ErrorModel::contradicted_by_a_block(const Evidence& evidence, const Explanation& what) {
+  evidence.block(0, system_);
+  const int newest = system_.sets < options_.sets_per_look / 2 ? 1 : 0;
+  return contradicted_by_block(evidence, newest, what) ||
+         contradicted_by_block(evidence, newest + 1, what);
 }
 
 bool ErrorModel::contradicted_by_block(const Evidence& evidence, int age,
@@ -337,9 +342,8 @@ void ErrorModel::judge_verdict(Stamp stamp, const Explanation& asked, std::vecto
   }
   const Score first = explanations_.scores().front();
   if (first.what == asked || first.gain < std::max(own->gain, 0.0) + options_.lead) return;
-  const Evidence& evidence = evidence_of_verdicts();
-  const bool sure = nameable(first) && !contradicted_by_block(evidence, 0, first.what) &&
-                    !contradicted_by_block(evidence, 1, first.what);
+  const bool sure =
+      nameable(first) && !contradicted_by_a_block(evidence_of_verdicts(), first.what);
   if (sure) take_back(stamp, asked, alerts);
 }
 

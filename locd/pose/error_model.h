@@ -107,6 +107,7 @@ class ErrorModel {
   void add_evidence(const Rigid3& world_from_rig);
   void make_rows(const Waiting& set, const Motion& motion, const RobustPose& robust);
   /// Whether a block of sets on its own speaks rather for another explanation, or for none.
+  [[nodiscard]] bool contradicted_by_a_block(const Evidence& evidence, const Explanation& what);
   [[nodiscard]] bool contradicted_by_block(const Evidence& evidence, int age,
                                            const Explanation& what);
   /// What says whether verdicts hold.
@@ -120,6 +121,7 @@ class ErrorModel {
   /// Whether there was a block to be learnt from.
   bool learn_calibration(Stamp stamp);
   void ask();
+  [[nodiscard]] bool ask_of_a_verdict();
   void answer(Stamp stamp, std::vector<Alert>& alerts);
   void judge_explanations(Stamp stamp, int blocks, std::vector<Alert>& alerts);
   void judge_verdict(Stamp stamp, const Explanation& asked, std::vector<Alert>& alerts);
@@ -152,6 +154,7 @@ class ErrorModel {
   Waiting waiting_;
   long forgotten_ = 0;  ///< sets that were gathered and are no more
   int looks_ = 0;
+  int looks_back_ = 0;
   bool look_due_ = false;
   bool back_due_ = false;  ///< a verdict is to be asked again
   std::optional<Question> question_;  ///< that is being answered

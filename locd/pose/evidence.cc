@@ -10,8 +10,8 @@ namespace waymark {
 namespace {
 
 /// Beyond, what is seen is seen anew: of the direction to markers and of the rig's own, together
-/// (rad); some thirtieth of an image.
-constexpr double kNewView_rad = 0.03;
+/// (rad); some fiftieth of an image.
+constexpr double kNewView_rad = 0.02;
 
 }  // namespace
 

@@ -197,13 +197,15 @@ bool Explanations::do_step(int step) {
       solve_in_place(kernel, answered_.head(freedoms_));
       return true;
     }
-    case 4:
-      eliminate(0, size_ / 2);
+    default: {
+      // Column by column, in as many parts as steps are left.
+      constexpr int kFirst = 4;
+      constexpr int kParts = kSteps - kFirst;
+      const Eigen::Index first = size_ * (step - kFirst) / kParts;
+      eliminate(first, size_ * (step - kFirst + 1) / kParts - first);
+      if (step + 1 == kSteps) score_all();
       return true;
-    default:
-      eliminate(size_ / 2, size_ - size_ / 2);
-      score_all();
-      return true;
+    }
   }
 }
 

@@ -46,7 +46,7 @@ class Explanations {
              std::span<const Explanation> believed);
   /// Goes on by a step, of which a judgement has kSteps of about equal cost; true: it is done.
   bool advance();
-  static constexpr int kSteps = 6;
+  static constexpr int kSteps = 8;
   /// Of the judgement that is done: best first; none where the system was no numbers.
   [[nodiscard]] std::span<const Score> scores() const { return scores_; }
 

@@ -37,6 +37,7 @@ void RidingWatch::look_at(const SetObservation& o) {
   const auto ippe = solve_ippe(solver_.model(camera), o.detected_px, o.observation.size_m);
   if (!ippe) return;
   const Eigen::Vector3d& in_cam = ippe->cam_from_marker[0].translation;
+  if (in_cam.norm() > kFarthest_m) return;
   const Eigen::Vector3d in_rig = solver_.cam_from_rig(camera).inverse() * in_cam;
   const bool anew = record.since < 0 || sets_ - record.last > kForgotten;
   record.last = sets_;
@@ -49,7 +50,7 @@ void RidingWatch::look_at(const SetObservation& o) {
     record = {in_rig, sets_, sets_, 0, false};
     return;
   }
-  if (moved_m > kStill_m + 0.03 * in_cam.norm()) {
+  if (moved_m > kStill_m + kStillShare * in_cam.norm()) {
     record.still = 0;
     return;
   }

@@ -45,11 +45,11 @@ TEST_F(Sets, AreNewWhereTheRigHasMovedOrTurned) {
   const auto moved = [](double x_m, double turned_rad) {
     return Rigid3{so3_exp({0, 0, turned_rad}), {x_m, 0, 0}};
   };
-  EXPECT_FALSE(evidence_.is_new(moved(0.11, 0), distance_m));
-  EXPECT_TRUE(evidence_.is_new(moved(0.13, 0), distance_m));
-  EXPECT_TRUE(evidence_.is_new(moved(0.11, 0), 3)) << "what is near is seen from elsewhere";
-  EXPECT_FALSE(evidence_.is_new(moved(0, 0.029), distance_m));
-  EXPECT_TRUE(evidence_.is_new(moved(0, 0.031), distance_m));
+  EXPECT_FALSE(evidence_.is_new(moved(0.07, 0), distance_m));
+  EXPECT_TRUE(evidence_.is_new(moved(0.09, 0), distance_m));
+  EXPECT_TRUE(evidence_.is_new(moved(0.07, 0), 3.2)) << "what is near is seen from elsewhere";
+  EXPECT_FALSE(evidence_.is_new(moved(0, 0.019), distance_m));
+  EXPECT_TRUE(evidence_.is_new(moved(0, 0.021), distance_m));
   evidence_.clear();
   EXPECT_TRUE(evidence_.is_new(Rigid3(), distance_m));
 }

@@ -48,7 +48,7 @@ class Riding : public testing::Test {
     return o;
   }
   [[nodiscard]] SetObservation ahead(int number) const {
-    const Rigid3 cam_from_marker{so3_exp({M_PI, 0, 0}), {0.3 * (number % 3) - 0.3, 0.2, 1.5}};
+    const Rigid3 cam_from_marker{so3_exp({M_PI, 0, 0}), {0.3 * (number % 3) - 0.3, 0.2, distance_m_}};
     const auto x = marker_corners(map_.marker(0).size_m);
     ImageCorners corners;
     for (std::size_t i = 0; i < 4; ++i)
@@ -56,6 +56,7 @@ class Riding : public testing::Test {
     return observation(0, {map_.marker(0).id.family, number}, corners);
   }
 
+  double distance_m_ = 1.5;  ///< at which riding markers hang before the first camera
   test::RoomDrive drive_{room()};
   MapIndex map_{test::room_map(drive_.room())};
   RigPoseSolver solver_{drive_.room().rig, {}};
@@ -64,6 +65,13 @@ class Riding : public testing::Test {
 
 TEST_F(Riding, MarkersAreToldOnceWhileOthersPassBy) {
   EXPECT_EQ(look({3, 4, 5}, false), (std::multiset<std::size_t>{3, 4, 5}));
+}
+
+TEST_F(Riding, WhatIsFarAwayMayOnlySeemToStay) {
+  distance_m_ = 0.95 * RidingWatch::kFarthest_m;
+  EXPECT_EQ(look({3}, false).size(), 1U);
+  distance_m_ = 1.05 * RidingWatch::kFarthest_m;
+  EXPECT_TRUE(look({4}, false).empty());
 }
 
 TEST_F(Riding, NobodyDoesInARoomThatStands) { EXPECT_TRUE(look({}, false).empty()); }
