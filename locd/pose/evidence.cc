@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <bitset>
 
 #include "core/base/check.h"
 
@@ -85,6 +86,7 @@ void Evidence::add(const Rigid3& world_from_rig, std::span<const EvidenceRow> ro
   Vector6d pull = Vector6d::Zero();
   cross_.setZero();
   touched_.clear();
+  std::bitset<kMostMarkers> seen;  // by several cameras or by one, it is one view
   constexpr Eigen::Index kCalibration = kCalibrationNumbers;
   for (const EvidenceRow& row : rows) {
     const auto slot = slot_in(block, row.map_index);
@@ -113,7 +115,8 @@ void Evidence::add(const Rigid3& world_from_rig, std::span<const EvidenceRow> ro
     }
     of_pose += row.columns.by_pose.transpose() * row.columns.by_pose;
     pull += row.columns.by_pose.transpose() * row.columns.residual;
-    ++block.views[*slot];
+    block.views[*slot] += seen[*slot] ? 0 : 1;
+    seen.set(*slot);
     ++block.sets_of_camera[row.camera];
   }
   if (touched_.empty()) {

@@ -50,7 +50,7 @@ class Evidence {
     Eigen::MatrixXd information;  ///< as large as it may become; the upper left part is used
     Eigen::VectorXd evidence;
     std::vector<std::size_t> markers;  ///< map indices, in their order
-    std::vector<int> views;            ///< of each marker, new ones
+    std::vector<int> views;            ///< of each marker: sets that show it
     std::vector<int> sets_of_camera;   ///< observations of each camera
     int sets = 0;
   };

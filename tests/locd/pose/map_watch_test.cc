@@ -80,10 +80,13 @@ TEST_P(MapWatchOfCameras, CondemnAMarkerAfterTheSameSetsHoweverMany) {
   EXPECT_EQ(first_alert(GetParam(), 0.3, false, true), by_one);
 }
 
-TEST_P(MapWatchOfCameras, TakeAMarkerBackAfterTheSameSetsHoweverMany) {
+TEST_P(MapWatchOfCameras, TakeAMarkerBackAfterAsManySetsHoweverMany) {
   const int by_one = first_alert(1, 0.0, true, false);
   EXPECT_GE(by_one, MapWatchOptions{}.sets_back - 1);
-  EXPECT_EQ(first_alert(GetParam(), 0.0, true, false), by_one);
+  // Evidence of several may tell sooner, never from fewer sets than that.
+  const int by_several = first_alert(GetParam(), 0.0, true, false);
+  EXPECT_GE(by_several, MapWatchOptions{}.sets_back - 1);
+  EXPECT_LE(by_several, by_one);
 }
 
 INSTANTIATE_TEST_SUITE_P(MapWatch, MapWatchOfCameras, testing::Values(2, 3, 4));
