@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "core/capture/detection.h"
 #include "core/geometry/rigid3.h"
 #include "core/geometry/stamp.h"
 #include "core/marker/marker_geometry.h"
@@ -76,6 +78,7 @@ struct ObservedMarker {
   std::int16_t camera = 0;
   ObservationVerdict verdict = ObservationVerdict::unused;
   ImageCorners corners_px;                                   ///< as detected
+  std::optional<CornerCovariances> covariances;              ///< as the detector states them
   double rms_px = std::numeric_limits<double>::quiet_NaN();  ///< of its corners' residual norms
   double sigmas_squared = std::numeric_limits<double>::quiet_NaN();  ///< 8 degrees of freedom
 };

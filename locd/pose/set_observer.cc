@@ -84,6 +84,7 @@ void SetObserver::observe(const Candidate& candidate, PoseEstimate& estimate) {
   seen.marker = detection.marker;
   seen.camera = static_cast<std::int16_t>(camera);
   seen.corners_px = detection.corners;
+  seen.covariances = detection.covariances;
   const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
   const auto map_index = map_.find(detection.marker);
   if (std::binary_search(ignored_.begin(), ignored_.end(), detection.marker)) {
