@@ -195,12 +195,15 @@ Command add_calibrate(CLI::App& app, Progress& progress) {
       {"auto", std::nullopt},
       {"none", Distortion::none},
       {"radtan", Distortion::radtan},
-      {"equidistant", Distortion::equidistant}};
+      {"rational", Distortion::rational},
+      {"equidistant", Distortion::equidistant},
+      {"eucm", Distortion::eucm},
+      {"ds", Distortion::double_sphere}};
   sub->add_option_function<std::string>(
          "--model",
          [options](const std::string& name) { options->calibration.lens = lenses.at(name); },
-         "lens: auto (by evidence, default), none, radtan or equidistant")
-      ->check(CLI::IsMember({"auto", "none", "radtan", "equidistant"}));
+         "lens: auto (by evidence, default), none, radtan, rational, equidistant, eucm or ds")
+      ->check(CLI::IsMember({"auto", "none", "radtan", "rational", "equidistant", "eucm", "ds"}));
   sub->add_option("--report", options->report, "folder for summary.json and a page (index.html)");
   sub->add_flag("--redetect", options->input.detect.redetect,
                 "detect even where detections.csv exists");

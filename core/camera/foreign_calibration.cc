@@ -96,16 +96,22 @@ class ForeignLensReader {
       return wrong("{} distortion coefficients of the lens model {}; write 4", numbers->size(),
                    model);
     }
+    if (numbers->size() > 8) {
+      return wrong("distortion coefficient {} is {:g}; of a lens, 8 are read (OpenCV's order)",
+                   numbers->size(), numbers->back());
+    }
     return *std::move(numbers);
   }
 
+  /// The least of the models that holds them.
   static ForeignLens lens_of(const std::string& model, std::vector<double> coefficients) {
     if (model == "equidistant") return {"equidistant", std::move(coefficients)};
     if (std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; })) {
       return {"none", {}};
     }
-    const bool rational = model == "rational_polynomial" || coefficients.size() > 5;
-    return {rational && coefficients.size() > 4 ? "rational" : "radtan", std::move(coefficients)};
+    if (coefficients.size() <= 5) return {"radtan", std::move(coefficients)};
+    coefficients.resize(8, 0.0);
+    return {"rational", std::move(coefficients)};
   }
 
   const std::string& name_;

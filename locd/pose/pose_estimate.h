@@ -70,6 +70,7 @@ enum class ObservationVerdict : std::int8_t {
   repeated = 4,     ///< its id was found twice in one image: not used
   unused = 5,       ///< there is no pose to hold it against
   ignored = 6,      ///< somebody has told locd to leave its marker out
+  beyond = 7,       ///< seen where its camera's calibration says nothing: not used
 };
 
 /// One detection and its residual, for the detections channel.

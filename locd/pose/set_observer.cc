@@ -91,6 +91,8 @@ void SetObserver::observe(const Candidate& candidate, PoseEstimate& estimate) {
     seen.verdict = ObservationVerdict::ignored;
   } else if (!map_index) {
     seen.verdict = ObservationVerdict::unknown;
+  } else if (!rig_.cameras[camera].model.covers_all(detection.corners)) {
+    seen.verdict = ObservationVerdict::beyond;
   } else if (std::count_if(of_camera.begin(), of_camera.end(), same_id) > 1) {
     seen.verdict = ObservationVerdict::repeated;
   } else {

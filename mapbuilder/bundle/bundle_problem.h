@@ -134,7 +134,8 @@ struct CalibrationUncertainty {
   IndexedVector<CameraIndex, CameraUncertainty> cameras;
   std::vector<double> size_factor;  ///< per size class, by rising stated size
   /// Joint covariance of the rig file's numbers: per camera six of the extrinsics, then per camera
-  /// eight of the intrinsics; zero where they are constant. Empty when nothing is determined.
+  /// kIntrinsicNumbers of the intrinsics; zero where they are constant or the lens has them not.
+  /// Empty when nothing is determined.
   Eigen::MatrixXd joint;
 };
 

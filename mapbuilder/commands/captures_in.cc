@@ -182,7 +182,7 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
 }
 
 Status check_any_seen(const Observations& observations, const std::filesystem::path& capture) {
-  if (!observations.all.empty() || observations.degenerate > 0) return {};
+  if (observations.any_seen()) return {};
   return fail(
       ErrorKind::bad_data,
       "{}: {} frame sets show no marker that could be used; check the family and the ids in "
