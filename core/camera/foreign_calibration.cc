@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/camera/camera_sigmas.h"
+#include "core/camera/lens_kind.h"
 
 namespace waymark {
 namespace {
@@ -96,7 +97,7 @@ class ForeignLensReader {
       return wrong("{} distortion coefficients of the lens model {}; write 4", numbers->size(),
                    model);
     }
-    if (numbers->size() > 8) {
+    if (!none && !radial_kind_of(*numbers)) {
       return wrong("distortion coefficient {} is {:g}; of a lens, 8 are read (OpenCV's order)",
                    numbers->size(), numbers->back());
     }
@@ -109,9 +110,9 @@ class ForeignLensReader {
     if (std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; })) {
       return {"none", {}};
     }
-    if (coefficients.size() <= 5) return {"radtan", std::move(coefficients)};
-    coefficients.resize(8, 0.0);
-    return {"rational", std::move(coefficients)};
+    const LensKind& kind = lens_kind(radial_kind_of(coefficients).value());
+    coefficients.resize(kind.coefficients.size(), 0.0);
+    return {std::string(kind.distortion_model), std::move(coefficients)};
   }
 
   const std::string& name_;

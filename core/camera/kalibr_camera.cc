@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
 #include <string_view>
@@ -11,6 +12,7 @@
 #include "core/camera/kalibr.h"
 #include "core/camera/kalibr_lens.h"
 #include "core/camera/kalibr_sigmas.h"
+#include "core/camera/lens_kind.h"
 #include "core/geometry/decompositions.h"
 
 namespace waymark {
@@ -45,6 +47,7 @@ class CameraReader : private KalibrNode {
     if (!parameters) return tl::make_unexpected(parameters.error());
     const auto model = CameraModel::create(*parameters);
     if (!model) return wrong("", node(), model.error().message);
+    note_valid_radius(*model);
 
     KalibrCamera entry{RigCamera{this->camera(), *model, {}, {}, {}, {}, {}, {}}, {}, {}};
     if (const auto status = read_transform("T_cn_cnm1", entry.cam_from_previous); !status) {
@@ -63,6 +66,22 @@ class CameraReader : private KalibrNode {
   }
 
  private:
+  /// Where a calibration ends inside the image; not of a fisheye's round image, which leaves its
+  /// corners black.
+  void note_valid_radius(const CameraModel& model) const {
+    const CameraParameters& p = model.parameters();
+    if (!p.valid_radius_px && bends_by_angle(p.distortion)) return;
+    const double right = p.width_px - 1;
+    const double bottom = p.height_px - 1;
+    const std::array<Eigen::Vector2d, 4> corners{
+        {{0, 0}, {right, 0}, {right, bottom}, {0, bottom}}};
+    if (model.covers_all(corners)) return;
+    notes_.push_back(fmt::format(
+        "{}: farther than {:.0f} px from the principal point the calibration says nothing; markers "
+        "there are left out",
+        place("", node()), model.valid_radius_px()));
+  }
+
   [[nodiscard]] Status check_keys() const {
     static const std::set<std::string> kKnown{
         "camera_model", "intrinsics",  "distortion_model", "distortion_coeffs", "resolution",

@@ -67,6 +67,17 @@ LensCoefficients usual_coefficients(Distortion distortion) {
   return all_of(distortion, &LensCoefficient::usual);
 }
 
+std::optional<Distortion> radial_kind_of(std::span<const double> coefficients) {
+  if (coefficients.size() < 4) return std::nullopt;
+  while (coefficients.size() > 4 && coefficients.back() == 0) {
+    coefficients = coefficients.first(coefficients.size() - 1);
+  }
+  for (const Distortion kind : {Distortion::radtan, Distortion::radtan5, Distortion::rational}) {
+    if (coefficients.size() <= lens_kind(kind).coefficients.size()) return kind;
+  }
+  return std::nullopt;
+}
+
 bool bends_by_angle(Distortion distortion) {
   return distortion == Distortion::equidistant || lens_kind(distortion).in_intrinsics();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -43,6 +44,10 @@ struct LensKind {
 
 /// Of lenses as they are: where to look for one.
 [[nodiscard]] LensCoefficients usual_coefficients(Distortion distortion);
+
+/// The least of radtan, radtan5 and rational that holds OpenCV's list of coefficients, of which
+/// zeros at the end say nothing; nullopt for fewer than four and where a ninth is not zero.
+[[nodiscard]] std::optional<Distortion> radial_kind_of(std::span<const double> coefficients);
 
 /// Whether a kind's image may end beyond 90° from the axis: equidistant, eucm, double_sphere.
 [[nodiscard]] bool bends_by_angle(Distortion distortion);
