@@ -22,10 +22,12 @@ struct ReducedLayout {
   IndexedVector<SizeClassIndex, int> size;    ///< row 0
   IndexedVector<CameraIndex, int> edge_bias;  ///< row 0
   int blocks = 0;
+  int coefficients = kMaxCoefficients;  ///< of each lens vary at most, the first ones
 
-  /// Row of one of the intrinsics (in the order of IntrinsicsVector); −1 where the block is
+  /// Row of one of the intrinsics (in the order of IntrinsicsVector); −1 where it is
   /// constant.
   [[nodiscard]] int row_of(CameraIndex camera, int number) const {
+    if (number >= 4 + coefficients) return -1;
     const bool in_lens = number >= 4 && number < 4 + 6;
     const int block = in_lens ? lens[camera] : focal[camera];
     if (block < 0) return -1;

@@ -19,6 +19,9 @@ struct VariableCalibration {
   bool edge_bias = false;   ///< how far each camera's edges lie outside (px), all alike
   /// With intrinsics: whether a lens stated straight may bend (radtan), or stays straight.
   bool straight_lenses_bend = true;
+  /// With intrinsics: so many of each lens's coefficients vary, the first ones. Numerators and
+  /// denominators of a rational lens are told apart only once it bends.
+  int coefficients = kMaxCoefficients;
 
   [[nodiscard]] bool any() const { return extrinsics || intrinsics || sizes || edge_bias; }
 };

@@ -119,6 +119,7 @@ bool ReducedProblem::linearize(const BundleVariables& at, std::size_t set_slot,
       by_extrinsics->middleRows<2>(row) = w * calibration.d_extrinsics;
     }
     if (by_focal != nullptr) {
+      calibration.d_intrinsics.rightCols(kMaxCoefficients - layout_.coefficients).setZero();
       by_focal->block<2, 4>(row, 0) = w * calibration.d_intrinsics.leftCols<4>();
       by_focal->block<2, 2>(row, 4) = w * calibration.d_intrinsics.rightCols<2>();
     }

@@ -78,6 +78,7 @@ void ReducedProblem::number_calibration(std::span<const ObservationIndex> observ
     camera_sees[all[index].camera] = 1;
     size_is_seen[size_class_of(all[index].marker)] = 1;
   }
+  layout_.coefficients = scope_.variable.coefficients;
   const auto number = [&](bool varies) { return varies ? layout_.blocks++ : -1; };
   for (const CameraIndex c : start_.cameras.indices()) {
     const bool sees = camera_sees[c] != 0;

@@ -84,7 +84,21 @@ class LensFit {
     }
   }
 
+  /// A lens of many coefficients first as one of few: from afar the further ones lead astray.
   void run() {
+    constexpr int kFew = 4;
+    if (lens_kind(camera_.parameters().distortion).count() > kFew) run_with(kFew);
+    run_with(kMaxCoefficients);
+  }
+
+  [[nodiscard]] LensOfSquares result() const {
+    return {camera_.parameters(), own_px_of(squared(camera_, poses()))};
+  }
+
+ private:
+  /// The first `coefficients` vary.
+  void run_with(int coefficients) {
+    coefficients_ = coefficients;
     constexpr int kIterations = 30;
     double damping = 1e-3;
     double cost = cost_of(camera_, poses());
@@ -107,11 +121,6 @@ class LensFit {
     }
   }
 
-  [[nodiscard]] LensOfSquares result() const {
-    return {camera_.parameters(), own_px_of(squared(camera_, poses()))};
-  }
-
- private:
   struct Square {
     ImageCorners corners_px;
     Rigid3 pose;
@@ -179,10 +188,12 @@ class LensFit {
     const IntrinsicsVector prior = prior_information();
     LensMatrix hessian = prior.asDiagonal();
     IntrinsicsVector gradient = prior.cwiseProduct(off_prior(camera_.parameters()));
+    gradient.tail(kMaxCoefficients - coefficients_).setZero();
     std::vector<Eliminated> eliminated(squares_.size());
     for (std::size_t s = 0; s < squares_.size(); ++s) {
-      const auto one = linearize_square(camera_, squares_[s].corners_px, squares_[s].pose);
+      auto one = linearize_square(camera_, squares_[s].corners_px, squares_[s].pose);
       if (!one) continue;
+      one->by_lens.rightCols(kMaxCoefficients - coefficients_).setZero();
       const double weight = robust_weight(Loss::tukey, kScale,
                                           one->residual.squaredNorm() / (sigma_px_ * sigma_px_)) /
                             (sigma_px_ * sigma_px_);
@@ -213,6 +224,7 @@ class LensFit {
   CameraModel camera_;
   std::vector<Square> squares_;
   double sigma_px_ = 1.0;
+  int coefficients_ = kMaxCoefficients;  ///< that vary, the first ones
 };
 
 /// The starts that fit the squares best, roughly.
