@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include "core/camera/camera_model.h"
 #include "core/camera/lens_image.h"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <limits>
 
 #include "core/camera/camera_model.h"

@@ -45,12 +45,14 @@ class Calibrator {
         attempt.system.scope.stated_cameras.push_back(camera);
       }
     }
-    // A lens of many coefficients first as one of few: from afar the further ones lead astray.
-    if (refine.intrinsics && most_coefficients(attempt.system.scope) > kFewCoefficients) {
-      attempt.system.scope.variable.coefficients = kFewCoefficients;
+    // A lens of many coefficients first as one of few, then by one more and one more: from afar
+    // the further ones lead astray.
+    const int most = refine.intrinsics ? most_coefficients(attempt.system.scope) : 0;
+    for (int few = kFewCoefficients; few < most; ++few) {
+      attempt.system.scope.variable.coefficients = few;
       adjust(attempt);
-      attempt.system.scope.variable.coefficients = refine.coefficients;
     }
+    attempt.system.scope.variable.coefficients = refine.coefficients;
     adjust(attempt);
     // Judged at rest: a misfit rig passes for noise until it is refined.
     converge(attempt);

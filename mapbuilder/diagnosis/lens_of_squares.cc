@@ -84,10 +84,12 @@ class LensFit {
     }
   }
 
-  /// A lens of many coefficients first as one of few: from afar the further ones lead astray.
+  /// A lens of many coefficients first as one of few, then by one more and one more: from afar the
+  /// further ones lead astray.
   void run() {
     constexpr int kFew = 4;
-    if (lens_kind(camera_.parameters().distortion).count() > kFew) run_with(kFew);
+    const int count = lens_kind(camera_.parameters().distortion).count();
+    for (int few = kFew; few < count; ++few) run_with(few);
     run_with(kMaxCoefficients);
   }
 
