@@ -4,6 +4,7 @@
 #include <random>
 
 #include "core/base/check.h"
+#include "core/camera/lens_kind.h"
 #include "core/estimate/consider_parameters.h"
 #include "core/marker/marker_outline.h"
 
@@ -29,7 +30,7 @@ void take_out(const RigParameter& parameter, double error, RigCamera& camera) {
       (parameter.axis == 0 ? lens.pu_px : lens.pv_px) -= error;
       break;
     case CameraQuantity::k1:
-      lens.coefficients[0] -= error;
+      lens.coefficients[static_cast<std::size_t>(lens_kind(lens.distortion).first_bend)] -= error;
       break;
     default:
       return;

@@ -106,8 +106,9 @@ void add_input_options(CLI::App& app, CaptureInput& input) {
   app.add_flag("--redetect", input.detect.redetect, "detect even where detections.csv exists");
   add_edges_option(app, input.detect.correct_edges);
   add_detector_option(app, input.detect.engine);
-  app.add_option("--rig", input.rig_yaml, "for videos: Kalibr camchain");
-  app.add_option("--markers", input.markers_toml, "for videos: families and sizes (markers.toml)");
+  app.add_option("--rig", input.rig_yaml, "for videos and logs: Kalibr camchain");
+  app.add_option("--markers", input.markers_toml,
+                 "for videos and logs: families and sizes (markers.toml)");
   app.add_option("--every", input.video.every, "for videos: take one of so many frames")
       ->check(number_in(VideoOptions::kEvery))
       ->capture_default_str();
@@ -119,8 +120,12 @@ void add_input_options(CLI::App& app, CaptureInput& input) {
 Command add_detect(CLI::App& app, Progress& progress) {
   auto* sub = app.add_subcommand("detect", "find the markers in a capture's images");
   auto options = std::make_shared<DetectOptions>();
-  sub->add_option("CAPTURE", options->capture, "capture folder")->required();
+  sub->add_option("CAPTURE", options->capture,
+                  "capture folder, or with --rig a log of locd's detections")
+      ->required();
   sub->add_option("-o,--output", options->output, "default: CAPTURE/detections.csv");
+  sub->add_option("--rig", options->rig, "for logs: rig.yaml that locd had");
+  sub->add_option("--markers", options->markers, "for logs: families and sizes (markers.toml)");
   add_edges_option(*sub, options->correct_edges);
   add_detector_option(*sub, options->engine);
   add_rules_options(*sub, options->rules);
@@ -137,7 +142,8 @@ void vary_by_name(VariableCalibration& variable, const std::string& name) {
 Command add_build(CLI::App& app, Progress& progress) {
   auto* sub = app.add_subcommand("build", "build a marker map from captures");
   auto options = std::make_shared<BuildCommandOptions>();
-  sub->add_option("CAPTURE", options->input.paths, "capture folders, or videos with --rig")
+  sub->add_option("CAPTURE", options->input.paths,
+                  "capture folders, or videos or logs of locd's detections with --rig")
       ->required();
   sub->add_option("-o,--output", options->output, "map file")->required();
   sub->add_option("--trajectory", options->trajectory, "write the rig's poses (TUM)");
@@ -189,12 +195,15 @@ Command add_calibrate(CLI::App& app, Progress& progress) {
       {"auto", std::nullopt},
       {"none", Distortion::none},
       {"radtan", Distortion::radtan},
-      {"equidistant", Distortion::equidistant}};
+      {"rational", Distortion::rational},
+      {"equidistant", Distortion::equidistant},
+      {"eucm", Distortion::eucm},
+      {"ds", Distortion::double_sphere}};
   sub->add_option_function<std::string>(
          "--model",
          [options](const std::string& name) { options->calibration.lens = lenses.at(name); },
-         "lens: auto (by evidence, default), none, radtan or equidistant")
-      ->check(CLI::IsMember({"auto", "none", "radtan", "equidistant"}));
+         "lens: auto (by evidence, default), none, radtan, rational, equidistant, eucm or ds")
+      ->check(CLI::IsMember({"auto", "none", "radtan", "rational", "equidistant", "eucm", "ds"}));
   sub->add_option("--report", options->report, "folder for summary.json and a page (index.html)");
   sub->add_flag("--redetect", options->input.detect.redetect,
                 "detect even where detections.csv exists");
@@ -286,12 +295,28 @@ Command add_export(CLI::App& app) {
   return [options] { return run_export(*options, std::cerr); };
 }
 
-Command add_import(CLI::App& app) {
-  auto* sub = app.add_subcommand("import", "make a map of its JSON form");
+Command add_import(CLI::App& app, Progress& progress) {
+  auto* sub = app.add_subcommand(
+      "import", "make a map of its JSON form, or a capture of what others recorded");
   auto options = std::make_shared<ImportOptions>();
-  sub->add_option("FILE", options->json, "JSON as export writes it")->required();
-  sub->add_option("-o,--output", options->output, "map file")->required();
-  return [options] { return run_import(*options, std::cout); };
+  sub->add_option(
+         "FILE", options->input,
+         "a map's JSON as export writes it; a recording of ROS 2 (rosbag2's folder or file, "
+         "MCAP); lcm-logger's log of locd's detections")
+      ->required();
+  sub->add_option("-o,--output", options->output, "map file, or capture folder of a recording")
+      ->required();
+  sub->add_option("--rig", options->description.rig, "for recordings: becomes rig.yaml");
+  sub->add_option("--markers", options->description.markers,
+                  "for recordings: becomes markers.toml");
+  sub->add_option("--camera", options->cameras,
+                  "of ROS 2: a topic of images; again for each camera, cam0's first; default: all, "
+                  "by name")
+      ->allow_extra_args(false);
+  sub->add_option("--every", options->every, "of ROS 2: take one of so many images of each topic")
+      ->check(number_in(VideoOptions::kEvery));
+  sub->add_option("--channel", options->channel, "of LCM: where several channels hold detections");
+  return [options, &progress] { return run_import(*options, progress, std::cout, std::cerr); };
 }
 
 Command add_print(CLI::App& app) {
@@ -349,7 +374,7 @@ int run(int argc, char** argv) {
   commands["edit"] = add_edit(app);
   commands["diff"] = add_diff(app);
   commands["export"] = add_export(app);
-  commands["import"] = add_import(app);
+  commands["import"] = add_import(app, progress);
   commands["print"] = add_print(app);
   commands["evaluate"] = add_evaluate(app);
   try {

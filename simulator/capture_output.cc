@@ -1,12 +1,9 @@
 #include "simulator/capture_output.h"
 
-#include <unistd.h>
-
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
 #include "core/base/atomic_file.h"
+#include "core/base/growing_folder.h"
 #include "core/camera/kalibr.h"
 #include "core/camera/rig_parameters.h"
 #include "core/geometry/tum.h"
@@ -15,14 +12,6 @@ namespace waymark::simulator {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// As the path would be written without "." and a trailing slash.
-fs::path cleaned(const fs::path& path) {
-  std::error_code failed;
-  const fs::path absolute = fs::absolute(path, failed);
-  const fs::path normal = (failed ? path : absolute).lexically_normal();
-  return normal.has_filename() ? normal : normal.parent_path();
-}
 
 std::vector<TumPose> rig_truth(const CapturePlan& plan) {
   std::vector<TumPose> poses;
@@ -71,50 +60,10 @@ Rig without_places(Rig rig) {
 
 }  // namespace
 
-Status create_folder(const fs::path& path) {
-  std::error_code error;
-  if (fs::create_directory(path, error) || !error) return {};
-  const bool denied =
-      error == std::errc::permission_denied || error == std::errc::read_only_file_system;
-  return fail(denied ? ErrorKind::permission : ErrorKind::cant_create,
-              "{}: can't create folder: {}", path.string(), error.message());
-}
-
-Expected<CaptureOutput> CaptureOutput::begin(const fs::path& final_path) {
-  std::error_code ignored;
-  const fs::path place = cleaned(final_path);
-  if (fs::exists(place, ignored) &&
-      !(fs::is_directory(place, ignored) && fs::is_empty(place, ignored))) {
-    return fail(ErrorKind::cant_create,
-                "{}: exists already; name another folder or remove this one first",
-                final_path.string());
-  }
-  if (!fs::is_directory(place.parent_path(), ignored)) {
-    return fail(ErrorKind::cant_create, "{}: can't create: there is no folder {}",
-                final_path.string(), place.parent_path().string());
-  }
-  const fs::path growing =
-      place.parent_path() / fmt::format(".{}.{}.partial", place.filename().string(), ::getpid());
-  if (auto status = create_folder(growing); !status) return tl::make_unexpected(status.error());
-  return CaptureOutput(place, growing);
-}
-
-CaptureOutput::CaptureOutput(CaptureOutput&& other) noexcept
-    : final_path_(std::move(other.final_path_)), folder_(std::move(other.folder_)) {
-  other.folder_.clear();
-}
-
-CaptureOutput::~CaptureOutput() {
-  if (folder_.empty()) return;
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
-}
-
-Status CaptureOutput::write_description(const Scene& scene, const SimulatedRig& rig,
-                                        const CapturePlan& plan, double exposure_s,
-                                        const std::string& session) const {
+Status write_description(const fs::path& folder, const Scene& scene, const SimulatedRig& rig,
+                         const CapturePlan& plan, double exposure_s, const std::string& session) {
   const Rig told = stated_exact(rig.mono ? without_places(rig.rig) : rig.rig);
-  if (auto status = create_folder(folder_ / "groundtruth"); !status) return status;
+  if (auto status = create_folder(folder / "groundtruth"); !status) return status;
   const std::string capture_toml = fmt::format(
       "clock = \"realtime\"\nsession = \"{}\"\nsoftware = \"waymark simulator\"\n", session);
   std::vector<std::pair<std::string, std::string>> files = {
@@ -131,19 +80,8 @@ Status CaptureOutput::write_description(const Scene& scene, const SimulatedRig& 
     }
   }
   for (const auto& [name, text] : files) {
-    if (auto status = write_file_atomically(folder_ / name, text); !status) return status;
+    if (auto status = write_file_atomically(folder / name, text); !status) return status;
   }
-  return {};
-}
-
-Status CaptureOutput::finish() {
-  std::error_code error;
-  fs::rename(folder_, final_path_, error);
-  if (error) {
-    return fail(ErrorKind::cant_create, "{}: can't move the finished capture here: {}",
-                final_path_.string(), error.message());
-  }
-  folder_.clear();
   return {};
 }
 

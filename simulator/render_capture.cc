@@ -4,6 +4,7 @@
 #include <mutex>
 #include <optional>
 
+#include "core/base/growing_folder.h"
 #include "core/base/parallel.h"
 #include "core/base/progress.h"
 #include "core/capture/image_file.h"
@@ -18,16 +19,16 @@ Expected<RenderResult> render_capture(const Scene& scene, const SimulatedRig& ri
                                       const RenderJob& job, const std::filesystem::path& folder,
                                       const std::atomic<bool>& stop) {
   const RenderSettings& settings = job.settings;
-  auto output = CaptureOutput::begin(folder);
+  auto output = GrowingFolder::begin(folder);
   if (!output) return tl::make_unexpected(output.error());
   const int positions = job.positions > 0 ? job.positions : scene.trajectory.positions;
   const bool moving = settings.exposure_s > 0 || settings.readout_s > 0;
   const CapturePlan plan(scene, rig, positions, moving, settings.stamp_skew_sigma_s, job.seed);
   const std::string session =
       fmt::format("{} {} {} seed {}", scene.name, rig.name, moving ? "drive" : "still", job.seed);
-  Status status = output->write_description(scene, rig, plan, settings.exposure_s, session);
+  Status status = write_description(output->path(), scene, rig, plan, settings.exposure_s, session);
   for (const RigCamera& camera : rig.rig.cameras) {
-    if (status) status = create_folder(output->folder() / camera.name);
+    if (status) status = create_folder(output->path() / camera.name);
   }
   if (!status) return tl::make_unexpected(status.error());
 
@@ -46,7 +47,7 @@ Expected<RenderResult> render_capture(const Scene& scene, const SimulatedRig& ri
     const std::uint64_t noise_seed =
         Random::of({job.seed, 6, exposure.camera, exposure.position}).bits();
     const GrayImage image = renderer.render(exposure.camera, plan.motion(exposure), noise_seed);
-    const auto path = output->folder() / rig.rig.cameras[exposure.camera].name /
+    const auto path = output->path() / rig.rig.cameras[exposure.camera].name /
                       fmt::format("{}.{}", exposure.stamp.count(), settings.png ? "png" : "jpg");
     const Status written = write_gray_image(path, image.view(), settings.jpeg_quality);
     const std::lock_guard lock(mutex);

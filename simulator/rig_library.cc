@@ -28,7 +28,7 @@ constexpr double kRadius_m = 0.10;
 /// radtan coefficients as Kalibr finds them for 8 mm machine-vision lenses.
 struct Lens {
   double du_px, dv_px;
-  std::array<double, 4> radtan;
+  LensCoefficients radtan;
 };
 constexpr std::array<Lens, 3> kLenses = {{{6.3, -4.1, {-0.102, 0.145, 0.0004, -0.0006}},
                                           {-8.7, 3.6, {-0.097, 0.118, -0.0005, 0.0003}},

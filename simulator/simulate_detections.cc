@@ -5,6 +5,7 @@
 #include <set>
 
 #include "core/base/atomic_file.h"
+#include "core/base/growing_folder.h"
 #include "core/base/parallel.h"
 #include "core/base/progress.h"
 #include "core/capture/detections_csv_text.h"
@@ -123,7 +124,7 @@ Expected<DetectionsResult> simulate_detections(const Scene& scene, const Simulat
                                                const DetectionsJob& job,
                                                const std::filesystem::path& folder,
                                                const std::atomic<bool>& stop) {
-  auto output = CaptureOutput::begin(folder);
+  auto output = GrowingFolder::begin(folder);
   if (!output) return tl::make_unexpected(output.error());
   const int positions = job.positions > 0 ? job.positions : scene.trajectory.positions;
   const CapturePlan plan(scene, rig, positions, job.stamp_skew_sigma_s > 0, job.stamp_skew_sigma_s,
@@ -132,15 +133,15 @@ Expected<DetectionsResult> simulate_detections(const Scene& scene, const Simulat
   if (!corruption) return tl::make_unexpected(corruption.error());
   const std::string session =
       fmt::format("{} {} detections {} px seed {}", scene.name, rig.name, job.noise_px, job.seed);
-  if (auto status =
-          output->write_description(without_ambiguous(scene, *corruption), rig, plan, 0.0, session);
+  if (auto status = write_description(output->path(), without_ambiguous(scene, *corruption), rig,
+                                      plan, 0.0, session);
       !status) {
     return tl::make_unexpected(status.error());
   }
 
   const DetectionSimulator simulator(scene, rig, plan, *corruption, job);
   const bool with_covariances = job.noise_px > 0;
-  const auto csv_path = output->folder() / "detections.csv";
+  const auto csv_path = output->path() / "detections.csv";
   std::ofstream csv(csv_path, std::ios::binary);
   csv << detections_csv_head(scene.catalog, "simulator", with_covariances);
   Progress progress(job.show_progress);
@@ -166,7 +167,8 @@ Expected<DetectionsResult> simulate_detections(const Scene& scene, const Simulat
     }
     result.images += kept.size();
     std::string rows;
-    append_detections_csv_rows(kept, rig.rig, scene.catalog, with_covariances, rows);
+    append_detections_csv_rows(kept, rig.rig, scene.catalog.several_families(), with_covariances,
+                               rows);
     csv << rows;
     progress.update(begin + images.size());
   }
@@ -175,7 +177,7 @@ Expected<DetectionsResult> simulate_detections(const Scene& scene, const Simulat
   if (!csv) return fail(ErrorKind::io, "{}: writing failed; is the disk full?", csv_path.string());
   if (stop) return fail(ErrorKind::io, "{}: interrupted; nothing was written", folder.string());
   Status status =
-      write_file_atomically(output->folder() / "groundtruth" / "corruptions.json",
+      write_file_atomically(output->path() / "groundtruth" / "corruptions.json",
                             format_corruptions(scene, rig, plan, *corruption, false_ids, dropped));
   if (status) status = output->finish();
   if (!status) return tl::make_unexpected(status.error());

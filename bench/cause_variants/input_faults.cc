@@ -88,35 +88,36 @@ bool csv(Variant& variant, Random& random) {
   }
 }
 
-/// One camera's calibration as ROS or OpenCV write it, with a fifth coefficient or without.
+/// One camera's calibration as ROS or OpenCV write it, with five coefficients or eight.
 bool format(Variant& variant, Random& random) {
   const World& world = variant.world();
   if (world.kind != RigKind::mono) return false;
   const CameraParameters p = world.rig.cameras.front().model.parameters();
   const bool ros = random.uniform() < 0.5;
-  const double fifth = random.uniform() < 0.5 ? 0 : 0.05;
+  const std::string more = random.uniform() < 0.5 ? "" : ", 0, 0, 0";
   const std::string camera =
       fmt::format("[{}, 0.0, {}, 0.0, {}, {}, 0.0, 0.0, 1.0]", p.fu_px, p.pu_px, p.fv_px, p.pv_px);
-  const std::string lens = fmt::format("[{}, {}, {}, {}, {}]", p.coefficients[0], p.coefficients[1],
-                                       p.coefficients[2], p.coefficients[3], fifth);
+  const std::string lens =
+      fmt::format("[{}, {}, {}, {}, 0{}]", p.coefficients[0], p.coefficients[1], p.coefficients[2],
+                  p.coefficients[3], more);
   variant.on_rig = [=](std::string& text) {
     text = ros ? fmt::format(
                      "image_width: {}\nimage_height: {}\ncamera_name: front\n"
                      "camera_matrix:\n  rows: 3\n  cols: 3\n  data: {}\n"
                      "distortion_model: plumb_bob\n"
-                     "distortion_coefficients:\n  rows: 1\n  cols: 5\n  data: {}\n",
-                     p.width_px, p.height_px, camera, lens)
+                     "distortion_coefficients:\n  rows: 1\n  cols: {}\n  data: {}\n",
+                     p.width_px, p.height_px, camera, more.empty() ? 5 : 8, lens)
                : fmt::format(
                      "%YAML:1.0\n---\nimage_width: {}\nimage_height: {}\n"
                      "camera_matrix: !!opencv-matrix\n   rows: 3\n   cols: 3\n   dt: d\n"
                      "   data: {}\n"
-                     "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: 5\n"
+                     "distortion_coefficients: !!opencv-matrix\n   rows: 1\n   cols: {}\n"
                      "   dt: d\n   data: {}\n",
-                     p.width_px, p.height_px, camera, lens);
+                     p.width_px, p.height_px, camera, more.empty() ? 5 : 8, lens);
   };
   variant.truth.causes = {Cause::format};
   variant.truth.at_least = Severity::note;
-  variant.truth.exits = {fifth == 0 ? 0 : 65};
+  variant.truth.exits = {0};
   return true;
 }
 

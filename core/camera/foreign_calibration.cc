@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/camera/camera_sigmas.h"
+#include "core/camera/lens_kind.h"
 
 namespace waymark {
 namespace {
@@ -96,16 +97,22 @@ class ForeignLensReader {
       return wrong("{} distortion coefficients of the lens model {}; write 4", numbers->size(),
                    model);
     }
+    if (!none && !radial_kind_of(*numbers)) {
+      return wrong("distortion coefficient {} is {:g}; of a lens, 8 are read (OpenCV's order)",
+                   numbers->size(), numbers->back());
+    }
     return *std::move(numbers);
   }
 
+  /// The least of the models that holds them.
   static ForeignLens lens_of(const std::string& model, std::vector<double> coefficients) {
     if (model == "equidistant") return {"equidistant", std::move(coefficients)};
     if (std::all_of(coefficients.begin(), coefficients.end(), [](double c) { return c == 0; })) {
       return {"none", {}};
     }
-    const bool rational = model == "rational_polynomial" || coefficients.size() > 5;
-    return {rational && coefficients.size() > 4 ? "rational" : "radtan", std::move(coefficients)};
+    const LensKind& kind = lens_kind(radial_kind_of(coefficients).value());
+    coefficients.resize(kind.coefficients.size(), 0.0);
+    return {std::string(kind.distortion_model), std::move(coefficients)};
   }
 
   const std::string& name_;

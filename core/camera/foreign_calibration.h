@@ -13,8 +13,9 @@ namespace waymark {
 /// camera_info, and OpenCV's FileStorage as its samples write it. nullopt: it is neither, or has a
 /// key of a camchain's camera. bad_data (format) where it is one and a part is missing, is no list
 /// of numbers, or means what has no model here: another lens, or a matrix other than
-/// fu 0 pu, 0 fv pv, 0 0 1. plumb_bob with zeros or an empty list is no distortion; equidistant
-/// stays what it is with zeros, too.
+/// fu 0 pu, 0 fv pv, 0 0 1. plumb_bob and rational_polynomial (OpenCV's order, up to eight) become
+/// the least of none, radtan and rational that holds them: trailing zeros say nothing, and an empty
+/// list is no distortion. equidistant stays what it is with zeros, too.
 [[nodiscard]] Expected<std::optional<YAML::Node>> camchain_of_foreign(const YAML::Node& root,
                                                                       const std::string& name);
 

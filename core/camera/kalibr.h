@@ -29,8 +29,8 @@ inline constexpr std::size_t kMaxCamchainBytes = std::size_t{192} << 10;
 /// agree to 1 mm / 0.1°; on none, cam0 is the rig frame; on some: bad_data. |RᵀR − I| ≤ 1e-3
 /// (largest element) is projected to a rotation with a note, beyond: bad_data. Several cameras
 /// without any transform: has_extrinsics is false. Extras: serial, lens_id, readout_us,
-/// global_shutter; sigma, sigma_source, sigma_joint (kalibr_sigmas.h). Errors: no_input, bad_data
-/// with file, camera and key.
+/// global_shutter, valid_radius_px; sigma, sigma_source, sigma_joint (kalibr_sigmas.h). Errors:
+/// no_input, bad_data with file, camera and key.
 [[nodiscard]] Expected<LoadedRig> read_camchain(const std::filesystem::path& path);
 
 /// The same from text; `name` stands for the path in messages.

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "core/camera/kalibr.h"
+#include "core/camera/kalibr_lens.h"
 #include "core/camera/kalibr_sigmas.h"
 
 namespace waymark {
@@ -28,17 +29,8 @@ std::string quoted(const std::string& text) {
 }
 
 std::string format_camera(const RigCamera& camera) {
-  const CameraParameters& p = camera.model.parameters();
-  const auto& k = p.coefficients;
-  std::string text = fmt::format(
-      "{}:\n"
-      "  camera_model: pinhole\n"
-      "  intrinsics: [{:.17g}, {:.17g}, {:.17g}, {:.17g}]\n"
-      "  distortion_model: {}\n"
-      "  distortion_coeffs: [{:.17g}, {:.17g}, {:.17g}, {:.17g}]\n"
-      "  resolution: [{}, {}]\n",
-      camera.name, p.fu_px, p.fv_px, p.pu_px, p.pv_px, to_string(p.distortion), k[0], k[1], k[2],
-      k[3], p.width_px, p.height_px);
+  std::string text =
+      fmt::format("{}:\n", camera.name) + format_kalibr_lens(camera.model.parameters());
   if (!camera.serial.empty()) text += fmt::format("  serial: {}\n", quoted(camera.serial));
   if (!camera.lens_id.empty()) text += fmt::format("  lens_id: {}\n", quoted(camera.lens_id));
   if (camera.readout_us) text += fmt::format("  readout_us: {:.17g}\n", *camera.readout_us);

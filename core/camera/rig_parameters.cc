@@ -6,6 +6,8 @@
 #include <array>
 #include <numbers>
 
+#include "core/camera/lens_kind.h"
+
 namespace waymark {
 namespace {
 
@@ -31,7 +33,7 @@ bool has(const RigCamera& camera, CameraQuantity quantity) {
     case CameraQuantity::rotation:
       return !is_rig_frame(camera);
     case CameraQuantity::k1:
-      return camera.model.parameters().distortion != Distortion::none;
+      return lens_kind(camera.model.parameters().distortion).first_bend >= 0;
     case CameraQuantity::readout:
       return !camera.global_shutter.value_or(false);
     default:

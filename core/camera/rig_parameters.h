@@ -27,7 +27,8 @@ struct RigParameter {
 
 /// What may be wrong of a rig, camera by camera in the order of CameraQuantity: the order of
 /// `sigma_joint`. Not among them: the place of a camera that is the rig's frame (nor of any camera
-/// where transforms are not stated), k1 of a lens without distortion, read-out of a global shutter.
+/// where transforms are not stated), k1, which is the first coefficient that bends (lens_kind.h),
+/// of a lens without any, read-out of a global shutter.
 [[nodiscard]] std::vector<RigParameter> rig_parameters(const Rig& rig);
 
 /// One standard deviation of each number of a camera: as stated or else by default_sigmas; 0 of

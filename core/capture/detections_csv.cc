@@ -102,13 +102,6 @@ class Reader {
   }
 
  private:
-  [[nodiscard]] bool is_ignored(const MarkerId& id) const {
-    const auto& entries = catalog_.entries();
-    return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) {
-      return entry.family == id.family && entry.ignored.contains(id.number);
-    });
-  }
-
   template <typename... Args>
   [[nodiscard]] tl::unexpected<Error> bad_row(fmt::format_string<Args...> format,
                                               Args&&... args) const {
@@ -135,7 +128,7 @@ class Reader {
     if (row->detection) image.push_back(std::move(*row->detection));
     if (row->unknown_marker) {
       ++table.unknown_markers;
-      if (!is_ignored(*row->unknown_marker)) ++table.unlisted[*row->unknown_marker];
+      if (!catalog_.ignores(*row->unknown_marker)) ++table.unlisted[*row->unknown_marker];
     }
     return {};
   }

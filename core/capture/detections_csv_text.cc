@@ -34,25 +34,26 @@ std::string format_detections_csv(const std::vector<ImageDetections>& images, co
     if (edges[c]) text += edge_line(rig.cameras.at(c).name, *edges[c]) + '\n';
   }
   text += detections_csv_head(catalog, detector, with_covariances);
-  append_detections_csv_rows(images, rig, catalog, with_covariances, text);
+  append_detections_csv_rows(images, rig, catalog.several_families(), with_covariances, text);
   return text;
 }
 
 std::string detections_csv_head(const MarkerCatalog& catalog, const std::string& detector,
                                 bool with_covariances) {
-  std::string text;
-  auto out = std::back_inserter(text);
-  fmt::format_to(out, "{}{}{}{}\n", kOwnLinePrefix, detector, kFingerprintKey,
-                 catalog.fingerprint());
-  fmt::format_to(out, "t_ns,camera,marker_id,{},hamming", fmt::join(kCornerColumns, ","));
-  if (with_covariances) fmt::format_to(out, ",{}", fmt::join(kCovarianceColumns, ","));
-  text += '\n';
-  return text;
+  return fmt::format("{}{}{}{}\n", kOwnLinePrefix, detector, kFingerprintKey,
+                     catalog.fingerprint()) +
+         detections_csv_columns(with_covariances);
+}
+
+std::string detections_csv_columns(bool with_covariances) {
+  std::string text =
+      fmt::format("t_ns,camera,marker_id,{},hamming", fmt::join(kCornerColumns, ","));
+  if (with_covariances) text += fmt::format(",{}", fmt::join(kCovarianceColumns, ","));
+  return text + '\n';
 }
 
 void append_detections_csv_rows(const std::vector<ImageDetections>& images, const Rig& rig,
-                                const MarkerCatalog& catalog, bool with_covariances,
-                                std::string& text) {
+                                bool with_families, bool with_covariances, std::string& text) {
   auto out = std::back_inserter(text);
   const std::size_t fields_per_detection =
       kCornerColumns.size() + 1 + (with_covariances ? kCovarianceColumns.size() : 0);
@@ -63,7 +64,7 @@ void append_detections_csv_rows(const std::vector<ImageDetections>& images, cons
       text += image_fields + std::string(fields_per_detection, ',') + '\n';
     }
     for (const Detection& detection : image.detections) {
-      text += image_fields + catalog.format(detection.marker);
+      text += image_fields + format_marker_id(detection.marker, with_families);
       for (const auto& corner : detection.corners) {
         fmt::format_to(out, ",{:.4f},{:.4f}", corner.x(), corner.y());
       }

@@ -22,11 +22,13 @@ namespace waymark {
 
 /// The same in pieces, for tables that are larger than memory should hold: first the two lines
 /// that head the file, then the rows of some images after the other. `with_covariances` is said
-/// once for the whole file; then every detection must have them (checked).
+/// once for the whole file; then every detection must have them (checked). `with_families`: ids are
+/// written "family:number".
 [[nodiscard]] std::string detections_csv_head(const MarkerCatalog& catalog,
                                               const std::string& detector, bool with_covariances);
+/// Its second line alone, for a table that no catalog stands behind.
+[[nodiscard]] std::string detections_csv_columns(bool with_covariances);
 void append_detections_csv_rows(const std::vector<ImageDetections>& images, const Rig& rig,
-                                const MarkerCatalog& catalog, bool with_covariances,
-                                std::string& text);
+                                bool with_families, bool with_covariances, std::string& text);
 
 }  // namespace waymark

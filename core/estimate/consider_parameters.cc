@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/camera/lens_kind.h"
 #include "core/geometry/decompositions.h"
 
 namespace waymark {
@@ -107,7 +108,7 @@ CalibrationTangent tangent_of(const ConsiderParameter& parameter, const CameraMo
       tangent[kIntrinsicsRow + 2 + axis] = 1;
       break;
     case CameraQuantity::k1:
-      tangent[kIntrinsicsRow + 4] = 1;
+      tangent[kIntrinsicsRow + 4 + lens_kind(camera.parameters().distortion).first_bend] = 1;
       break;
     case CameraQuantity::edge:
       tangent[kEdgeRow] = 1;

@@ -49,12 +49,12 @@ struct ConsiderParameters {
 inline constexpr std::size_t kMaxParameterName = 48;
 
 /// What a corner residual is differentiated by of one camera and one marker's size: rows 0–5
-/// rig_from_cam (Rigid3's tangent), 6–13 fu fv pu pv and four coefficients (CalibrationJacobians),
-/// 14 edges' offset outward (px), 15 factor of the size.
-using CalibrationTangent = Eigen::Matrix<double, 16, 1>;
+/// rig_from_cam (Rigid3's tangent), 6–17 fu fv pu pv and the coefficients (CalibrationJacobians),
+/// 18 edges' offset outward (px), 19 factor of the size.
 inline constexpr int kIntrinsicsRow = 6;
-inline constexpr int kEdgeRow = 14;
-inline constexpr int kSizeRow = 15;
+inline constexpr int kEdgeRow = kIntrinsicsRow + kIntrinsicNumbers;
+inline constexpr int kSizeRow = kEdgeRow + 1;
+using CalibrationTangent = Eigen::Matrix<double, kSizeRow + 1, 1>;
 
 /// How that moves per unit of the parameter, for the camera (of the parameter's rig) or for any
 /// marker of its size. Zero of stamp and read-out: these move corners with the rig's velocity v,

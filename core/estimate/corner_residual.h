@@ -40,7 +40,7 @@ struct CornerJacobians {
 /// What a corner residual may be differentiated by when the rig itself is in question.
 struct CalibrationJacobians {
   Jacobian26 d_extrinsics;          ///< by rig_from_cam, Rigid3's tangent in rig axes
-  IntrinsicsJacobian d_intrinsics;  ///< by fu fv pu pv and the four coefficients
+  IntrinsicsJacobian d_intrinsics;  ///< by fu fv pu pv and the coefficients
 };
 
 /// The one corner residual of Waymark, χ = x − π(cam_from_rig · world_from_rig⁻¹ ·

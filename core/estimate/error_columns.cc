@@ -1,16 +1,20 @@
 #include "core/estimate/error_columns.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
+#include "core/camera/lens_kind.h"
 #include "core/marker/marker_outline.h"
 
 namespace waymark {
 namespace {
 
-/// Columns of the lens: fu and fv as one share, principal point, first coefficient.
+/// Columns of the lens: fu and fv as one share, principal point, the first coefficient that bends.
 Eigen::Matrix<double, 2, 4> lens_columns(const CameraParameters& p, const IntrinsicsJacobian& d) {
   Eigen::Matrix<double, 2, 4> columns;
-  columns << d.col(0) * p.fu_px + d.col(1) * p.fv_px, d.col(2), d.col(3), d.col(4);
+  // Of a straight lens the column is zero, whichever it is.
+  const int bend = std::max(0, lens_kind(p.distortion).first_bend);
+  columns << d.col(0) * p.fu_px + d.col(1) * p.fv_px, d.col(2), d.col(3), d.col(4 + bend);
   return columns;
 }
 

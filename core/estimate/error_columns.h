@@ -13,8 +13,8 @@ using Matrix8d = Eigen::Matrix<double, 8, 8>;
 using Matrix86 = Eigen::Matrix<double, 8, 6>;
 
 /// Numbers of one camera's calibration that may be wrong: rig_from_cam (Rigid3's tangent in rig
-/// axes, m and rad), focal length (share), principal point (px), first lens coefficient, edges (px
-/// outward), stamp (s), read-out time (s).
+/// axes, m and rad), focal length (share), principal point (px), first lens coefficient that bends,
+/// edges (px outward), stamp (s), read-out time (s).
 inline constexpr int kCalibrationNumbers = 13;
 using CalibrationVector = Eigen::Matrix<double, kCalibrationNumbers, 1>;
 using CalibrationColumns = Eigen::Matrix<double, 8, kCalibrationNumbers>;

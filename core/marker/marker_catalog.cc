@@ -267,6 +267,12 @@ std::optional<double> MarkerCatalog::size_m(const MarkerId& id) const {
   return std::nullopt;
 }
 
+bool MarkerCatalog::ignores(const MarkerId& id) const {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const FamilyEntry& entry) {
+    return entry.family == id.family && entry.ignored.contains(id.number);
+  });
+}
+
 std::optional<double> MarkerCatalog::size_sigma_m(const MarkerId& id) const {
   const auto size = size_m(id);
   if (!size) return std::nullopt;

@@ -37,6 +37,9 @@ class MarkerCatalog {
   /// ignored or does not exist here.
   [[nodiscard]] std::optional<double> size_m(const MarkerId& id) const;
 
+  /// Whether it is listed to be ignored.
+  [[nodiscard]] bool ignores(const MarkerId& id) const;
+
   /// One standard deviation of that size (m), which is wrong alike for all markers that share it;
   /// where it is not stated, default_size_sigma_m. nullopt where size_m is.
   [[nodiscard]] std::optional<double> size_sigma_m(const MarkerId& id) const;

@@ -35,6 +35,7 @@ void MarkerSearch::search(const FrameSetLease& set, std::span<const MarkerId> ig
       seen.marker = detection.marker;
       seen.camera = static_cast<std::int16_t>(camera);
       seen.corners_px = detection.corners;
+      seen.covariances = detection.covariances;
       if (std::binary_search(ignored.begin(), ignored.end(), detection.marker)) {
         seen.verdict = ObservationVerdict::ignored;
       }

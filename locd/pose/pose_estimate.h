@@ -5,9 +5,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "core/capture/detection.h"
 #include "core/geometry/rigid3.h"
 #include "core/geometry/stamp.h"
 #include "core/marker/marker_geometry.h"
@@ -68,6 +70,7 @@ enum class ObservationVerdict : std::int8_t {
   repeated = 4,     ///< its id was found twice in one image: not used
   unused = 5,       ///< there is no pose to hold it against
   ignored = 6,      ///< somebody has told locd to leave its marker out
+  beyond = 7,       ///< seen where its camera's calibration says nothing: not used
 };
 
 /// One detection and its residual, for the detections channel.
@@ -76,6 +79,7 @@ struct ObservedMarker {
   std::int16_t camera = 0;
   ObservationVerdict verdict = ObservationVerdict::unused;
   ImageCorners corners_px;                                   ///< as detected
+  std::optional<CornerCovariances> covariances;              ///< as the detector states them
   double rms_px = std::numeric_limits<double>::quiet_NaN();  ///< of its corners' residual norms
   double sigmas_squared = std::numeric_limits<double>::quiet_NaN();  ///< 8 degrees of freedom
 };

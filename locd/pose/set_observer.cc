@@ -84,12 +84,15 @@ void SetObserver::observe(const Candidate& candidate, PoseEstimate& estimate) {
   seen.marker = detection.marker;
   seen.camera = static_cast<std::int16_t>(camera);
   seen.corners_px = detection.corners;
+  seen.covariances = detection.covariances;
   const auto same_id = [&](const Detection& other) { return other.marker == detection.marker; };
   const auto map_index = map_.find(detection.marker);
   if (std::binary_search(ignored_.begin(), ignored_.end(), detection.marker)) {
     seen.verdict = ObservationVerdict::ignored;
   } else if (!map_index) {
     seen.verdict = ObservationVerdict::unknown;
+  } else if (!rig_.cameras[camera].model.covers_all(detection.corners)) {
+    seen.verdict = ObservationVerdict::beyond;
   } else if (std::count_if(of_camera.begin(), of_camera.end(), same_id) > 1) {
     seen.verdict = ObservationVerdict::repeated;
   } else {

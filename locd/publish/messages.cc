@@ -68,6 +68,25 @@ void fill_protection(const Protection& protection, pose_t& message) {
   message.protection_of_cameras = static_cast<std::int8_t>(protection.of_cameras);
 }
 
+/// Each camera's mid-exposure less that of the estimate; NaN where it gave no frame.
+void fill_offsets(const PoseEstimate& estimate, std::vector<double>& offsets_us) {
+  for (std::size_t c = 0; c < offsets_us.size(); ++c) {
+    const bool delivered = (estimate.cameras_in_set & camera_bit(c)) != 0;
+    offsets_us[c] = delivered ? microseconds(estimate.camera_offset[c]) : kNaN;
+  }
+}
+
+/// Row by row what is on and above the diagonal of each corner's.
+void fill_covariances(const std::optional<CornerCovariances>& stated, std::vector<float>& values) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto row = static_cast<Eigen::Index>(i / 2);
+      const auto column = static_cast<Eigen::Index>((i + 1) / 2);
+      values[3 * k + i] = static_cast<float>(stated ? (*stated)[k](row, column) : kNaN);
+    }
+  }
+}
+
 void fill_nothing_known(pose_t& message) {
   std::fill(std::begin(message.position), std::end(message.position), kNaN);
   std::fill(std::begin(message.quaternion), std::end(message.quaternion), kNaN);
@@ -102,11 +121,15 @@ pose_t make_pose_message(const SessionFacts& session) {
 detections_t make_detections_message(const SessionFacts& session) {
   detections_t message{};
   message.session_id = session.session_id;
+  message.rig = session.rig;
+  message.camera_count = static_cast<std::int32_t>(session.cameras);
+  message.camera_offset_us.assign(session.cameras, kNaN);
   // The arrays stay this long; count says how much of them is sent.
   message.camera.resize(kMaxObservations);
   message.family.resize(kMaxObservations, std::string(name_of(Family::tagstandard52h13)));
   message.marker_id.resize(kMaxObservations);
   message.corners_px.resize(kMaxObservations, std::vector<float>(8));
+  message.covariances_px2.resize(kMaxObservations, std::vector<float>(12));
   message.verdict.resize(kMaxObservations);
   return message;
 }
@@ -123,10 +146,7 @@ void fill_pose(const PoseEstimate& estimate, const SessionFacts& session, const 
   message.markers_used = estimate.markers_used;
   message.outliers = estimate.outliers;
   message.max_skew_us = microseconds(estimate.max_skew);
-  for (std::size_t c = 0; c < message.camera_offset_us.size(); ++c) {
-    const bool delivered = (estimate.cameras_in_set & camera_bit(c)) != 0;
-    message.camera_offset_us[c] = delivered ? microseconds(estimate.camera_offset[c]) : kNaN;
-  }
+  fill_offsets(estimate, message.camera_offset_us);
   message.map_hash = session.map_hash;
   if (estimate.has_pose()) {
     fill_world_from_base(estimate, session, message);
@@ -144,6 +164,7 @@ void fill_detections(const PoseEstimate& estimate, const SessionFacts& session,
                      const ClockOffset& clock, detections_t& message) {
   message.utime = clock.utime_us(estimate.stamp);
   message.session_id = session.session_id;
+  fill_offsets(estimate, message.camera_offset_us);
   const std::size_t count = std::min(estimate.observations.size(), kMaxObservations);
   message.count = static_cast<std::int32_t>(count);
   for (std::size_t i = 0; i < count; ++i) {
@@ -152,6 +173,7 @@ void fill_detections(const PoseEstimate& estimate, const SessionFacts& session,
     message.family[i] = name_of(seen.marker.family);
     message.marker_id[i] = seen.marker.number;
     message.verdict[i] = static_cast<std::int8_t>(seen.verdict);
+    fill_covariances(seen.covariances, message.covariances_px2[i]);
     for (std::size_t k = 0; k < 4; ++k) {
       message.corners_px[i][2 * k] = static_cast<float>(seen.corners_px[k].x());
       message.corners_px[i][2 * k + 1] = static_cast<float>(seen.corners_px[k].y());

@@ -21,6 +21,7 @@ struct SessionFacts {
   Rigid3 base_from_rig;        ///< the published pose is world_from_base
   bool world_z_is_up = false;  ///< as the map says: yaw has a meaning
   std::size_t cameras = 0;     ///< of the rig
+  std::string rig;             ///< fingerprint of the rig file, 16 hexadecimal digits
 };
 
 /// What of the map in use messages and people need to know.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/notes.h"
+#include "core/camera/rig_fingerprint.h"
 #include "core/map/quarantine.h"
 #include "core/marker/marker_catalog.h"
 #include "drivers/monotonic_clock.h"
@@ -45,8 +46,12 @@ MapInUse map_in_use(const Setup& setup, std::span<const QuarantinedMarker> quara
 }
 
 SessionFacts session_of(const Setup& setup, const MapInUse& map) {
-  return {new_session_id(), map.identity->map_hash, setup.config.rig.base_from_rig,
-          map.identity->world_z_is_up, setup.rig.cameras.size()};
+  return {new_session_id(),
+          map.identity->map_hash,
+          setup.config.rig.base_from_rig,
+          map.identity->world_z_is_up,
+          setup.rig.cameras.size(),
+          fingerprint(setup.rig)};
 }
 
 std::size_t marker_count(const Setup& setup) {

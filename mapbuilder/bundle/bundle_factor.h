@@ -16,11 +16,23 @@ using SizeClassIndex = Index<struct SizeClassKind>;  ///< markers of one stated 
 struct ReducedLayout {
   int markers = 0;  ///< blocks 0 … markers − 1, one each
   IndexedVector<CameraIndex, int> extrinsics;
-  IndexedVector<CameraIndex, int> focal;      ///< fu fv pu pv in the first four rows
-  IndexedVector<CameraIndex, int> lens;       ///< the coefficients in the first four rows
+  /// fu fv pu pv in the first four rows, the seventh and eighth coefficient in the others.
+  IndexedVector<CameraIndex, int> focal;
+  IndexedVector<CameraIndex, int> lens;       ///< the first six coefficients
   IndexedVector<SizeClassIndex, int> size;    ///< row 0
   IndexedVector<CameraIndex, int> edge_bias;  ///< row 0
   int blocks = 0;
+  int coefficients = kMaxCoefficients;  ///< of each lens vary at most, the first ones
+
+  /// Row of one of the intrinsics (in the order of IntrinsicsVector); −1 where it is
+  /// constant.
+  [[nodiscard]] int row_of(CameraIndex camera, int number) const {
+    if (number >= 4 + coefficients) return -1;
+    const bool in_lens = number >= 4 && number < 4 + 6;
+    const int block = in_lens ? lens[camera] : focal[camera];
+    if (block < 0) return -1;
+    return 6 * block + (in_lens ? number - 4 : number < 4 ? number : number - 6);
+  }
 };
 
 /// A residual in sigmas with its derivatives by the blocks it touches.

@@ -19,6 +19,9 @@ struct VariableCalibration {
   bool edge_bias = false;   ///< how far each camera's edges lie outside (px), all alike
   /// With intrinsics: whether a lens stated straight may bend (radtan), or stays straight.
   bool straight_lenses_bend = true;
+  /// With intrinsics: so many of each lens's coefficients vary, the first ones. Numerators and
+  /// denominators of a rational lens are told apart only once it bends.
+  int coefficients = kMaxCoefficients;
 
   [[nodiscard]] bool any() const { return extrinsics || intrinsics || sizes || edge_bias; }
 };
@@ -134,7 +137,8 @@ struct CalibrationUncertainty {
   IndexedVector<CameraIndex, CameraUncertainty> cameras;
   std::vector<double> size_factor;  ///< per size class, by rising stated size
   /// Joint covariance of the rig file's numbers: per camera six of the extrinsics, then per camera
-  /// eight of the intrinsics; zero where they are constant. Empty when nothing is determined.
+  /// kIntrinsicNumbers of the intrinsics; zero where they are constant or the lens has them not.
+  /// Empty when nothing is determined.
   Eigen::MatrixXd joint;
 };
 

@@ -3,20 +3,24 @@
 #include <cmath>
 #include <limits>
 
+#include "core/camera/lens_kind.h"
 #include "mapbuilder/bundle/block_cholesky.h"
 
 namespace waymark {
 namespace {
 
 /// See CalibrationUncertainty::joint; zero rows where it is constant.
-Eigen::MatrixXd joint_covariance(const ReducedLayout& layout, const BlockCholesky& cholesky) {
+Eigen::MatrixXd joint_covariance(const ReducedLayout& layout, const BundleVariables& at,
+                                 const BlockCholesky& cholesky) {
   std::vector<int> row_of;  // −1: constant
   for (const int block : layout.extrinsics) {
     for (int r = 0; r < 6; ++r) row_of.push_back(block < 0 ? -1 : 6 * block + r);
   }
   for (const CameraIndex c : layout.focal.indices()) {
-    for (const int block : {layout.focal[c], layout.lens[c]}) {
-      for (int r = 0; r < 4; ++r) row_of.push_back(block < 0 ? -1 : 6 * block + r);
+    // A row that the lens has not carries a unit diagonal and says nothing.
+    const int numbers = 4 + lens_kind(at.cameras[c].model.parameters().distortion).count();
+    for (int k = 0; k < kIntrinsicNumbers; ++k) {
+      row_of.push_back(k < numbers ? layout.row_of(c, k) : -1);
     }
   }
   const auto count = static_cast<Eigen::Index>(row_of.size());
@@ -52,7 +56,7 @@ CalibrationUncertainty uncertainty_of(ReducedProblem& problem, const BundleVaria
          sigma(layout.focal[c], 0, 2) / camera.fu_px, sigma(layout.edge_bias[c], 0, 1)});
   }
   for (const int block : layout.size) uncertainty.size_factor.push_back(sigma(block, 0, 1));
-  if (determined) uncertainty.joint = joint_covariance(layout, cholesky);
+  if (determined) uncertainty.joint = joint_covariance(layout, at, cholesky);
   return uncertainty;
 }
 

@@ -11,7 +11,7 @@ namespace {
 /// How a variable is stored as a Ceres parameter block.
 enum class Storage {
   pose,    ///< translation, quaternion x y z w
-  four,    ///< of the intrinsics
+  six,     ///< intrinsics, as the block has them
   scalar,  ///< a size factor or an edge bias
 };
 
@@ -22,8 +22,8 @@ int size_of(Storage storage) {
   switch (storage) {
     case Storage::pose:
       return kPose;
-    case Storage::four:
-      return 4;
+    case Storage::six:
+      return 6;
     case Storage::scalar:
       break;
   }
@@ -136,20 +136,16 @@ class Parameters : public ceres::EvaluationCallback {
 
   void store_camera(CameraIndex c) {
     const ReducedLayout& layout = problem_.layout();
-    const CameraParameters& p = at_.cameras[c].model.parameters();
     if (layout.extrinsics[c] >= 0) {
       block(layout.extrinsics[c]).storage = Storage::pose;
       store_pose(at_.cameras[c].rig_from_cam, block(layout.extrinsics[c]).values.data());
     }
-    if (layout.focal[c] >= 0) {
-      Parameter& focal = block(layout.focal[c]);
-      focal.storage = Storage::four;
-      focal.values = {p.fu_px, p.fv_px, p.pu_px, p.pv_px};
-    }
-    if (layout.lens[c] >= 0) {
-      Parameter& lens = block(layout.lens[c]);
-      lens.storage = Storage::four;
-      std::copy(p.coefficients.begin(), p.coefficients.end(), lens.values.begin());
+    const IntrinsicsVector intrinsics = intrinsics_of(at_.cameras[c].model.parameters());
+    for (int k = 0; k < kIntrinsicNumbers; ++k) {
+      const int row = layout.row_of(c, k);
+      if (row < 0) continue;
+      block(row / 6).storage = Storage::six;
+      block(row / 6).values[to_size(row % 6)] = intrinsics[k];
     }
     if (layout.edge_bias[c] >= 0) store_scalar(at_.edge_bias_px[c], layout.edge_bias[c]);
   }
@@ -161,18 +157,16 @@ class Parameters : public ceres::EvaluationCallback {
       camera.rig_from_cam = pose_from(block(layout.extrinsics[c]).values.data());
     }
     if (layout.focal[c] >= 0) {
-      CameraParameters p = camera.model.parameters();
-      const auto& focal = block(layout.focal[c]).values;
-      p.fu_px = focal[0];
-      p.fv_px = focal[1];
-      p.pu_px = focal[2];
-      p.pv_px = focal[3];
-      if (layout.lens[c] >= 0) {
-        const auto& lens = block(layout.lens[c]).values;
-        std::copy_n(lens.begin(), p.coefficients.size(), p.coefficients.begin());
+      const CameraParameters& now = camera.model.parameters();
+      IntrinsicsVector intrinsics = intrinsics_of(now);
+      for (int k = 0; k < kIntrinsicNumbers; ++k) {
+        const int row = layout.row_of(c, k);
+        if (row >= 0) intrinsics[k] = block(row / 6).values[to_size(row % 6)];
       }
       // Out of the model's domain: the camera stays as it was, the cost tells.
-      if (auto model = CameraModel::create(p)) camera.model = *model;
+      if (auto model = CameraModel::create(with_intrinsics(now, intrinsics))) {
+        camera.model = *model;
+      }
     }
     if (layout.edge_bias[c] >= 0) {
       at_.edge_bias_px[c] = block(layout.edge_bias[c]).values[0];

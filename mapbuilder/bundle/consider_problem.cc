@@ -4,6 +4,7 @@
 #include <map>
 
 #include "core/base/parallel.h"
+#include "core/camera/lens_kind.h"
 
 namespace waymark {
 namespace {
@@ -144,8 +145,10 @@ Eigen::VectorXd ConsiderProblem::direction_of(const ConsiderParameter& parameter
       put(layout.extrinsics[other], against);
     }
   }
-  put(layout.focal[camera], tangent.segment<4>(kIntrinsicsRow));
-  put(layout.lens[camera], tangent.segment<4>(kIntrinsicsRow + 4));
+  for (int k = 0; k < kIntrinsicNumbers; ++k) {
+    const int row = layout.row_of(camera, k) - 6 * layout.markers;
+    if (row >= 0) direction[row] += tangent[kIntrinsicsRow + k];
+  }
   put(layout.edge_bias[camera], tangent.segment<1>(kEdgeRow));
   return direction;
 }
@@ -185,19 +188,25 @@ void ConsiderProblem::make_basis(const VariableCalibration& estimated) {
 /// What refined intrinsics have beside the parameters.
 void ConsiderProblem::add_extras() {
   const ReducedLayout& layout = reduced_.layout();
-  const auto add = [&](int block, int row, double value, int other_row, double other) {
+  const auto add = [&](CameraIndex camera, const IntrinsicsVector& direction) {
     basis_.conservativeResize(Eigen::NoChange, basis_.cols() + 1);
     auto column = basis_.rightCols<1>();
     column.setZero();
-    column[6L * (block - layout.markers) + row] = value;
-    if (other_row >= 0) column[6L * (block - layout.markers) + other_row] = other;
+    for (int k = 0; k < kIntrinsicNumbers; ++k) {
+      if (direction[k] != 0) column[layout.row_of(camera, k) - 6 * layout.markers] = direction[k];
+    }
     estimated_.push_back(1);
   };
   for (const CameraIndex c : layout.focal.indices()) {
     if (layout.focal[c] < 0) continue;
     const CameraParameters& camera = reduced_.start().cameras[c].model.parameters();
-    add(layout.focal[c], 0, camera.fu_px, 1, -camera.fv_px);
-    for (int row = 1; row < 4 && layout.lens[c] >= 0; ++row) add(layout.lens[c], row, 1, -1, 0);
+    IntrinsicsVector ratio = IntrinsicsVector::Zero();
+    ratio.head<2>() << camera.fu_px, -camera.fv_px;
+    add(c, ratio);
+    const LensKind& lens = lens_kind(camera.distortion);
+    for (int k = 0; k < lens.count() && layout.lens[c] >= 0; ++k) {
+      if (k != lens.first_bend) add(c, IntrinsicsVector::Unit(4 + k));
+    }
   }
 }
 

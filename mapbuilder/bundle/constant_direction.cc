@@ -36,10 +36,9 @@ class DirectionFactor : public BundleFactor {
         result.parts.push_back(
             {layout_.extrinsics[c], direction_.extrinsics[c].transpose() / kTightness});
       }
-      along += direction_.intrinsics[c].dot(intrinsics_of(at.cameras[c].model) -
-                                            intrinsics_of(stated_[c].model));
-      add_part(layout_.focal[c], direction_.intrinsics[c].head<4>(), result);
-      add_part(layout_.lens[c], direction_.intrinsics[c].tail<4>(), result);
+      along += direction_.intrinsics[c].dot(intrinsics_of(at.cameras[c].model.parameters()) -
+                                            intrinsics_of(stated_[c].model.parameters()));
+      add_intrinsics(c, result);
     }
     result.residual.resize(1);
     result.residual[0] = along / kTightness;
@@ -47,12 +46,17 @@ class DirectionFactor : public BundleFactor {
   }
 
  private:
-  static void add_part(int block, const Eigen::Vector4d& weights, FactorLinearization& to) {
-    if (block < 0) return;
-    Eigen::Matrix<double, Eigen::Dynamic, 6> by_block(1, 6);
-    by_block.setZero();
-    by_block.leftCols<4>() = weights.transpose() / kTightness;
-    to.parts.push_back({block, by_block});
+  void add_intrinsics(CameraIndex camera, FactorLinearization& to) const {
+    for (const int block : {layout_.focal[camera], layout_.lens[camera]}) {
+      if (block < 0) continue;
+      Eigen::Matrix<double, Eigen::Dynamic, 6> by_block(1, 6);
+      by_block.setZero();
+      for (int k = 0; k < kIntrinsicNumbers; ++k) {
+        const int row = layout_.row_of(camera, k) - 6 * block;
+        if (row >= 0 && row < 6) by_block(0, row) = direction_.intrinsics[camera][k] / kTightness;
+      }
+      to.parts.push_back({block, by_block});
+    }
   }
 
   ReducedLayout layout_;
@@ -61,14 +65,6 @@ class DirectionFactor : public BundleFactor {
 };
 
 }  // namespace
-
-Intrinsics intrinsics_of(const CameraModel& camera) {
-  const CameraParameters& p = camera.parameters();
-  Intrinsics all;
-  all << p.fu_px, p.fv_px, p.pu_px, p.pv_px, p.coefficients[0], p.coefficients[1],
-      p.coefficients[2], p.coefficients[3];
-  return all;
-}
 
 std::unique_ptr<BundleFactor> direction_factor(const ReducedLayout& layout,
                                                const IndexedVector<CameraIndex, RigCamera>& stated,

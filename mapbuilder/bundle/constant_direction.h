@@ -6,15 +6,11 @@
 
 namespace waymark {
 
-/// fu fv pu pv and the four coefficients.
-using Intrinsics = Eigen::Matrix<double, 8, 1>;
-[[nodiscard]] Intrinsics intrinsics_of(const CameraModel& camera);
-
 /// A direction of the cameras' calibration that the data can't tell: it stays where the rig file
 /// has it. Weights in units of the limits that it is measured in.
 struct ConstantDirection {
-  IndexedVector<CameraIndex, Vector6d> extrinsics;    ///< of rig_from_cam's tangent
-  IndexedVector<CameraIndex, Intrinsics> intrinsics;  ///< of fu fv pu pv and four coefficients
+  IndexedVector<CameraIndex, Vector6d> extrinsics;  ///< of rig_from_cam's tangent
+  IndexedVector<CameraIndex, IntrinsicsVector> intrinsics;
 };
 
 /// Holds it at the stated cameras' value: the residual is Σ extrinsics_c · (rig_from_cam ⊟ stated)

@@ -119,10 +119,12 @@ bool ReducedProblem::linearize(const BundleVariables& at, std::size_t set_slot,
       by_extrinsics->middleRows<2>(row) = w * calibration.d_extrinsics;
     }
     if (by_focal != nullptr) {
+      calibration.d_intrinsics.rightCols(kMaxCoefficients - layout_.coefficients).setZero();
       by_focal->block<2, 4>(row, 0) = w * calibration.d_intrinsics.leftCols<4>();
+      by_focal->block<2, 2>(row, 4) = w * calibration.d_intrinsics.rightCols<2>();
     }
     if (by_lens != nullptr) {
-      by_lens->block<2, 4>(row, 0) = w * calibration.d_intrinsics.rightCols<4>();
+      by_lens->middleRows<2>(row) = w * calibration.d_intrinsics.middleCols<6>(4);
     }
     if (by_bias != nullptr) by_bias->block<2, 1>(row, 0) = -(w * observation.outward[i]);
     if (by_size != nullptr) {
@@ -294,17 +296,15 @@ BundleVariables ReducedProblem::moved(const BundleVariables& from, const Eigen::
       camera.rig_from_cam = camera.rig_from_cam.plus(step.segment<6>(6L * layout_.extrinsics[c]));
     }
     if (layout_.focal[c] >= 0) {
-      CameraParameters parameters = camera.model.parameters();
-      const Vector6d focal = step.segment<6>(6L * layout_.focal[c]);
-      parameters.fu_px += focal[0];
-      parameters.fv_px += focal[1];
-      parameters.pu_px += focal[2];
-      parameters.pv_px += focal[3];
-      for (int k = 0; layout_.lens[c] >= 0 && k < 4; ++k) {
-        parameters.coefficients[static_cast<std::size_t>(k)] += step[6L * layout_.lens[c] + k];
+      const CameraParameters& now = camera.model.parameters();
+      IntrinsicsVector intrinsics = intrinsics_of(now);
+      for (int k = 0; k < kIntrinsicNumbers; ++k) {
+        if (const int row = layout_.row_of(c, k); row >= 0) intrinsics[k] += step[row];
       }
       // Out of the model's domain: the camera stays as it was, the cost tells.
-      if (auto model = CameraModel::create(parameters)) camera.model = *model;
+      if (auto model = CameraModel::create(with_intrinsics(now, intrinsics))) {
+        camera.model = *model;
+      }
     }
     if (layout_.edge_bias[c] >= 0) to.edge_bias_px[c] += step[6L * layout_.edge_bias[c]];
   }

@@ -141,6 +141,7 @@ class ReducedProblem {
                           const Calibration& calibration);
   void number_frame_sets(std::span<const ObservationIndex> observations,
                          const ConstantPoses& constant, const Estimate& estimate);
+  void hold_further_coefficients(CameraIndex camera);
   void take_factors_of_scope(const Calibration& calibration);
   [[nodiscard]] bool counts(std::size_t set_slot, FrameSetHalf half) const {
     return half == FrameSetHalf::all || sets_[set_slot].odd == (half == FrameSetHalf::odd);

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "core/base/check.h"
+#include "core/camera/lens_kind.h"
 #include "core/marker/marker_outline.h"
 #include "mapbuilder/bundle/reduced_problem.h"
 #include "mapbuilder/bundle/survey_factors.h"
@@ -78,6 +79,7 @@ void ReducedProblem::number_calibration(std::span<const ObservationIndex> observ
     camera_sees[all[index].camera] = 1;
     size_is_seen[size_class_of(all[index].marker)] = 1;
   }
+  layout_.coefficients = scope_.variable.coefficients;
   const auto number = [&](bool varies) { return varies ? layout_.blocks++ : -1; };
   for (const CameraIndex c : start_.cameras.indices()) {
     const bool sees = camera_sees[c] != 0;
@@ -130,6 +132,20 @@ void ReducedProblem::number_frame_sets(std::span<const ObservationIndex> observa
   back_substitution_.resize(blocks);
 }
 
+// A rational lens's numerator and denominator trade against each other: what bends nothing stays
+// near where it was.
+void ReducedProblem::hold_further_coefficients(CameraIndex camera) {
+  constexpr int kTold = 4;
+  const CameraParameters& lens = start_.cameras[camera].model.parameters();
+  const auto coefficients = lens_kind(lens.distortion).coefficients;
+  for (int k = kTold; k < static_cast<int>(coefficients.size()); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    if (layout_.row_of(camera, 4 + k) < 0) continue;
+    factors_.push_back(
+        intrinsic_prior(layout_, camera, 4 + k, lens.coefficients[at], coefficients[at].spread));
+  }
+}
+
 void ReducedProblem::take_factors_of_scope(const Calibration& calibration) {
   if (scope_.survey != nullptr) {
     factors_ = survey_factors(*scope_.survey, prepared_.observations(), calibration, *this,
@@ -149,6 +165,7 @@ void ReducedProblem::take_factors_of_scope(const Calibration& calibration) {
   for (const ConstantDirection& direction : scope_.constant_directions) {
     factors_.push_back(direction_factor(layout_, scope_.stated_cameras, direction));
   }
+  for (const CameraIndex c : start_.cameras.indices()) hold_further_coefficients(c);
   if (scope_.variable.edge_bias) {
     for (const CameraIndex c : start_.cameras.indices()) {
       if (layout_.edge_bias[c] < 0) continue;

@@ -139,31 +139,27 @@ class DistanceFactor : public BundleFactor {
   SurveyedDistance entry_;
 };
 
-/// A scalar of the calibration, row 0 of its block, near an expected value.
+/// A scalar of the calibration, a row of the reduced system, near an expected value.
 class ScalarPrior : public BundleFactor {
  public:
   using Value = std::function<double(const BundleVariables&)>;
-  /// `slope`: d value / d the block's row 0.
-  ScalarPrior(int block, Value value, double slope, double expected, double sigma)
-      : block_(block),
-        value_(std::move(value)),
-        slope_(slope),
-        expected_(expected),
-        sigma_(sigma) {}
-  [[nodiscard]] std::vector<int> blocks() const override { return {block_}; }
+  /// `slope`: d value / d the row.
+  ScalarPrior(int row, Value value, double slope, double expected, double sigma)
+      : row_(row), value_(std::move(value)), slope_(slope), expected_(expected), sigma_(sigma) {}
+  [[nodiscard]] std::vector<int> blocks() const override { return {row_ / 6}; }
   [[nodiscard]] FactorLinearization linearize(const BundleVariables& at) const override {
     FactorLinearization result;
     result.residual.resize(1);
     result.residual[0] = (value_(at) - expected_) / sigma_;
     Eigen::Matrix<double, Eigen::Dynamic, 6> derivative(1, 6);
     derivative.setZero();
-    derivative(0, 0) = slope_ / sigma_;
-    result.parts.push_back({block_, derivative});
+    derivative(0, row_ % 6) = slope_ / sigma_;
+    result.parts.push_back({row_ / 6, derivative});
     return result;
   }
 
  private:
-  int block_;
+  int row_;
   Value value_;
   double slope_;
   double expected_;
@@ -245,7 +241,7 @@ std::unique_ptr<BundleFactor> size_prior(const ReducedLayout& layout, SizeClassI
   const auto value = [=](const BundleVariables& at) {
     return already * at.size_factor[size_class];
   };
-  return std::make_unique<ScalarPrior>(layout.size[size_class], value, already, 1.0, sigma);
+  return std::make_unique<ScalarPrior>(6 * layout.size[size_class], value, already, 1.0, sigma);
 }
 
 std::unique_ptr<BundleFactor> edge_bias_prior(const ReducedLayout& layout, CameraIndex camera,
@@ -253,7 +249,15 @@ std::unique_ptr<BundleFactor> edge_bias_prior(const ReducedLayout& layout, Camer
   const auto value = [=](const BundleVariables& at) {
     return already_px + at.edge_bias_px[camera];
   };
-  return std::make_unique<ScalarPrior>(layout.edge_bias[camera], value, 1.0, 0.0, sigma_px);
+  return std::make_unique<ScalarPrior>(6 * layout.edge_bias[camera], value, 1.0, 0.0, sigma_px);
+}
+
+std::unique_ptr<BundleFactor> intrinsic_prior(const ReducedLayout& layout, CameraIndex camera,
+                                              int number, double expected, double sigma) {
+  const auto value = [=](const BundleVariables& at) {
+    return intrinsics_of(at.cameras[camera].model.parameters())[number];
+  };
+  return std::make_unique<ScalarPrior>(layout.row_of(camera, number), value, 1.0, expected, sigma);
 }
 
 std::vector<SurveyResidual> survey_residuals(const Survey& survey, const Observations& observations,

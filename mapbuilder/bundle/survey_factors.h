@@ -64,6 +64,11 @@ using MarkerPoses = IndexedVector<MarkerIndex, std::optional<Rigid3>>;
                                                             CameraIndex camera, double already_px,
                                                             double sigma_px);
 
+/// One of a camera's intrinsics (in the order of IntrinsicsVector, variable) near a value.
+[[nodiscard]] std::unique_ptr<BundleFactor> intrinsic_prior(const ReducedLayout& layout,
+                                                            CameraIndex camera, int number,
+                                                            double expected, double sigma);
+
 /// Every entry against markers of one world; points are aligned to the facility frame first unless
 /// the world is that frame already.
 [[nodiscard]] std::vector<SurveyResidual> survey_residuals(const Survey& survey,

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/camera/lens_kind.h"
 #include "mapbuilder/calibrate/lens_starts.h"
 #include "mapbuilder/diagnosis/mono_build.h"
 #include "mapbuilder/diagnosis/square_equations.h"
@@ -75,6 +76,19 @@ class LensGrowth {
     return refined_to_rest(near, MonoLenses::refined_unbent);
   }
 
+  /// A lens of a kind that has further coefficients, from one that has fewer.
+  [[nodiscard]] std::optional<Candidate> grown_to(Distortion kind, CameraParameters from) const {
+    from.distortion = kind;
+    return refined_to_rest(from, MonoLenses::refined);
+  }
+
+  /// Whether a lens is worth more numbers than another.
+  [[nodiscard]] bool explains_more(const Candidate& larger, const Candidate& smaller) const {
+    if (larger.firm() != smaller.firm()) return larger.firm();
+    const double sigma_px = std::max(1e-3, std::min(larger.fit.joint_px, smaller.fit.joint_px));
+    return std::isfinite(sigma_px) && criterion(larger, sigma_px) < criterion(smaller, sigma_px);
+  }
+
   /// Bayes' information criterion: what the residuals cost in sigmas², each bounded, and ln n per
   /// number of the lens. `sigma_px` is what corners are worth by the best of the lenses compared.
   [[nodiscard]] double criterion(const Candidate& one, double sigma_px) const {
@@ -89,7 +103,7 @@ class LensGrowth {
       const double squared = joint_residual_px2(observations, estimate, observations[index]);
       cost += std::min(kMost, squared / (sigma_px * sigma_px));
     }
-    const double numbers = one.parameters.distortion == Distortion::none ? 4 : 8;
+    const double numbers = 4 + lens_kind(one.parameters.distortion).count();
     return cost + numbers * std::log(8.0 * static_cast<double>(all));
   }
 
@@ -146,17 +160,34 @@ bool is_wide(const CameraParameters& lens) {
   return false;
 }
 
+/// Lenses that bend by radius, each grown from the one before, which is zero in what it lacks:
+/// while the larger one explains more than its numbers cost, or up to the kind that is asked for.
+/// radtan has k3 where that explains.
+std::vector<Candidate> grown_radially(const LensGrowth& growth, Candidate bent,
+                                      std::optional<Distortion> kind) {
+  std::vector<Candidate> grown{std::move(bent)};
+  for (const Distortion next : {Distortion::radtan5, Distortion::rational}) {
+    if (kind == Distortion::radtan && next == Distortion::rational) break;
+    auto larger = growth.grown_to(next, grown.back().parameters);
+    const bool asked = kind == Distortion::rational;
+    if (!larger || (!asked && !growth.explains_more(*larger, grown.back()))) break;
+    if (asked) grown.clear();
+    grown.push_back(*std::move(larger));
+  }
+  return grown;
+}
+
 /// What may be compared: each kind asked for that markers' outlines do not rule out, a straight
 /// lens beside the bent one.
 std::vector<Candidate> candidates_of(const LensGrowth& growth, std::optional<Distortion> kind) {
   // As judge_lens has it: by so much only another lens differs.
   constexpr double kRuledOut = 1.4;
+  const bool asks_wide = kind && bends_by_angle(*kind);
   const LensStarts radtan = growth.starts_of(Distortion::radtan);
-  const LensStarts fisheye = growth.starts_of(Distortion::equidistant);
-  const bool may_be_radtan =
-      kind ? *kind != Distortion::equidistant : !(radtan.own_px > kRuledOut * fisheye.own_px);
+  const LensStarts fisheye = growth.starts_of(asks_wide ? *kind : Distortion::equidistant);
+  const bool may_be_radtan = kind ? !asks_wide : !(radtan.own_px > kRuledOut * fisheye.own_px);
   const bool may_be_fisheye =
-      kind ? *kind == Distortion::equidistant
+      kind ? asks_wide
            : !(fisheye.own_px > kRuledOut * radtan.own_px) && is_wide(fisheye.lenses.front());
   std::vector<Candidate> candidates;
   const auto take = [&](std::optional<Candidate> one) {
@@ -164,8 +195,10 @@ std::vector<Candidate> candidates_of(const LensGrowth& growth, std::optional<Dis
   };
   if (may_be_radtan) {
     auto bent = growth.best_of(radtan);
-    if (bent && kind != Distortion::radtan) take(growth.unbent(bent->parameters));
-    if (kind != Distortion::none) take(std::move(bent));
+    if (bent && (!kind || kind == Distortion::none)) take(growth.unbent(bent->parameters));
+    if (bent && kind != Distortion::none) {
+      for (Candidate& one : grown_radially(growth, *std::move(bent), kind)) take(std::move(one));
+    }
   }
   if (may_be_fisheye) take(growth.best_of(fisheye));
   return candidates;

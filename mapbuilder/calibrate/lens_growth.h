@@ -21,10 +21,11 @@ struct GrownLens {
 };
 
 /// Finds a camera's lens from its own images alone: from each of lens_starts() a map of its
-/// markers with the lens refined in it, until one fits; the kind (none, radtan, equidistant, or
-/// the one asked for) by Bayes' information criterion over the same corners, so that a lens bends
-/// only where that explains something. `alone`: captures of this camera, a rig of one each, all
-/// alike. nullopt where not one map could be made: no two markers are seen together.
+/// markers with the lens refined in it, until one fits; the kind (none, radtan, radtan with k3,
+/// rational or equidistant; or the one asked for, radtan with k3 where that explains) by Bayes'
+/// information criterion over the same corners, so that a lens bends only where that explains
+/// something. `alone`: captures of this camera, a rig of one each, all alike. nullopt where not one
+/// map could be made: no two markers are seen together.
 [[nodiscard]] std::optional<GrownLens> grow_lens(const std::vector<DetectedCapture>& alone,
                                                  std::optional<Distortion> kind,
                                                  const BuildOptions& options);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/camera/lens_kind.h"
 #include "mapbuilder/diagnosis/lens_of_squares.h"
 
 namespace waymark {
@@ -13,23 +14,25 @@ namespace {
 CameraParameters middling_lens(const CameraParameters& known, Distortion kind) {
   CameraParameters lens = known;
   lens.distortion = kind;
-  lens.coefficients = {};
+  lens.coefficients = usual_coefficients(kind);
   const double longer_px = std::max(known.width_px, known.height_px);
-  lens.fu_px = lens.fv_px = kind == Distortion::equidistant ? 0.5 * longer_px : longer_px;
+  lens.fu_px = lens.fv_px =
+      (bends_by_angle(kind) ? 0.5 : 1.0) * longer_px / focal_share_at_axis(lens);
   lens.pu_px = 0.5 * (known.width_px - 1);
   lens.pv_px = 0.5 * (known.height_px - 1);
   return lens;
 }
 
-/// A lens stated straight is a radtan one that does not bend.
+/// Whether numbers of one kind are numbers of the other: coefficients that a polynomial has more
+/// are zero, and a lens stated straight is a radtan one that does not bend.
 bool is_of_kind(const CameraParameters& known, Distortion kind) {
-  return (known.distortion == Distortion::equidistant) == (kind == Distortion::equidistant);
+  return bends_by_angle(known.distortion) ? known.distortion == kind : !bends_by_angle(kind);
 }
 
 CameraParameters with_focal(CameraParameters lens, double factor) {
   lens.fu_px *= factor;
   lens.fv_px *= factor;
-  lens.coefficients = {};
+  lens.coefficients = usual_coefficients(lens.distortion);
   return lens;
 }
 

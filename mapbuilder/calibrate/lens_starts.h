@@ -19,7 +19,8 @@ struct LensStarts {
 /// The homographies of a camera's markers tell (judge_lens): a square's eight numbers less its
 /// pose's six. Where they leave the focal length open, which small or head-on markers do, the
 /// further ones are other focal lengths. `known` gives the image's size and, of the same kind,
-/// numbers to begin with; `kind` is radtan or equidistant, for none is the former unbent.
+/// numbers to begin with; `kind` is radtan or one that bends by angle: none is the former unbent,
+/// others have further coefficients.
 [[nodiscard]] LensStarts lens_starts(const CameraParameters& known, Distortion kind,
                                      std::span<const ImageCorners> outlines);
 

@@ -4,13 +4,14 @@
 #include <cmath>
 
 #include "core/base/check.h"
+#include "core/camera/lens_kind.h"
 #include "core/camera/rig_parameters.h"
 
 namespace waymark {
 namespace {
 
 constexpr Eigen::Index kExtrinsics = 6;
-constexpr Eigen::Index kIntrinsics = 8;
+constexpr Eigen::Index kIntrinsics = kIntrinsicNumbers;
 
 /// The row of a parameter in terms of the joint covariance's numbers; empty (zero) for what no
 /// adjustment calibrates.
@@ -36,7 +37,7 @@ Eigen::RowVectorXd row_of(const RigParameter& parameter, const Rig& rig) {
       row[lens + 2 + parameter.axis] = 1;
       break;
     case CameraQuantity::k1:
-      row[lens + 4] = 1;
+      row[lens + 4 + lens_kind(p.distortion).first_bend] = 1;
       break;
     default:
       break;
@@ -92,7 +93,8 @@ double difference(const RigParameter& parameter, const Rig& one, const Rig& othe
     case CameraQuantity::principal:
       return parameter.axis == 0 ? p.pu_px - q.pu_px : p.pv_px - q.pv_px;
     case CameraQuantity::k1:
-      return p.coefficients[0] - q.coefficients[0];
+      return intrinsics_of(p)[4 + lens_kind(p.distortion).first_bend] -
+             intrinsics_of(q)[4 + lens_kind(q.distortion).first_bend];
     default:
       return 0;
   }

@@ -9,10 +9,10 @@ namespace waymark {
 
 /// The rig with how sure its calibration is of it: sigma, sigma_joint and sigma_source: refined.
 /// `joint` is CalibrationUncertainty's, of these cameras alone: fu and fv together are the focal
-/// length's share, of the lens the first coefficient is stated. What was not calibrated (edges,
-/// stamps, read-out, a number that was constant) keeps what it had, or its default. `held`: some
-/// direction could not be told and stays where it was; then every number is known to the limits at
-/// best, which the directions that can be told were judged by.
+/// length's share, of the lens the first coefficient that bends is stated. What was not calibrated
+/// (edges, stamps, read-out, a number that was constant) keeps what it had, or its default. `held`:
+/// some direction could not be told and stays where it was; then every number is known to the
+/// limits at best, which the directions that can be told were judged by.
 [[nodiscard]] Rig with_posterior_sigmas(Rig rig, const Eigen::MatrixXd& joint, bool held,
                                         const RefinementLimits& limits);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/check.h"
+#include "core/camera/lens_kind.h"
 #include "mapbuilder/bundle/survey_factors.h"
 #include "mapbuilder/calibration/refinement_support.h"
 #include "mapbuilder/calibration/rig_examination.h"
@@ -44,10 +45,15 @@ class Calibrator {
         attempt.system.scope.stated_cameras.push_back(camera);
       }
     }
-    BundleSolution solution = mapper_.adjust(
-        attempt.system, calibration_adjustment(mapper_.options()), std::move(attempt.estimate));
-    attempt.estimate = std::move(solution.estimate);
-    if (solution.uncertainty) attempt.uncertainty = std::move(*solution.uncertainty);
+    // A lens of many coefficients first as one of few, then by one more and one more: from afar
+    // the further ones lead astray.
+    const int most = refine.intrinsics ? most_coefficients(attempt.system.scope) : 0;
+    for (int few = kFewCoefficients; few < most; ++few) {
+      attempt.system.scope.variable.coefficients = few;
+      adjust(attempt);
+    }
+    attempt.system.scope.variable.coefficients = refine.coefficients;
+    adjust(attempt);
     // Judged at rest: a misfit rig passes for noise until it is refined.
     converge(attempt);
     if (refine.any()) leave_unsure_directions_as_stated(refine, attempt);
@@ -55,6 +61,23 @@ class Calibrator {
   }
 
  private:
+  static constexpr int kFewCoefficients = 4;
+
+  static int most_coefficients(const BundleScope& scope) {
+    int most = 0;
+    for (const RigCamera& camera : scope.stated_cameras) {
+      most = std::max(most, lens_kind(camera.model.parameters().distortion).count());
+    }
+    return most;
+  }
+
+  void adjust(Attempt& attempt) const {
+    BundleSolution solution = mapper_.adjust(
+        attempt.system, calibration_adjustment(mapper_.options()), std::move(attempt.estimate));
+    attempt.estimate = std::move(solution.estimate);
+    if (solution.uncertainty) attempt.uncertainty = std::move(*solution.uncertainty);
+  }
+
   void converge(Attempt& attempt) const {
     ConvergedEstimate converged =
         mapper_.converge(attempt.system, std::move(attempt.estimate), progress_);

@@ -13,14 +13,17 @@ namespace waymark {
 namespace {
 
 constexpr Eigen::Index kExtrinsics = 6;
-constexpr Eigen::Index kIntrinsics = 8;
+constexpr Eigen::Index kIntrinsics = kIntrinsicNumbers;
+/// Principal point and lens.
+constexpr int kBeyondFocal = kIntrinsicNumbers - 2;
+using ImageShift = Eigen::Matrix<double, kBeyondFocal, kBeyondFocal>;
 
 /// RMS over the image of the pixels' shift per change of principal point and lens: the symmetric
 /// root of mean JᵀJ.
-Matrix6d image_shift(const CameraModel& camera) {
+ImageShift image_shift(const CameraModel& camera) {
   constexpr int kSteps = 8;
   const CameraParameters& p = camera.parameters();
-  Matrix6d sum = Matrix6d::Zero();
+  ImageShift sum = ImageShift::Zero();
   double count = 0;
   for (int row = 0; row <= kSteps; ++row) {
     for (int column = 0; column <= kSteps; ++column) {
@@ -29,13 +32,15 @@ Matrix6d image_shift(const CameraModel& camera) {
       const auto bearing = camera.bearing(pixel);
       IntrinsicsJacobian jacobian;
       if (!bearing || !camera.project_with_jacobian(*bearing, &jacobian)) continue;
-      const auto part = jacobian.rightCols<6>();
+      const auto part = jacobian.rightCols<kBeyondFocal>();
       sum += part.transpose() * part;
       count += 1;
     }
   }
-  const SymmetricEigen<6> eigen = symmetric_eigen<6>(sum / std::max(1.0, count));
-  return eigen.vectors * eigen.values.cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
+  const SymmetricEigen<Eigen::Dynamic> eigen =
+      symmetric_eigen<Eigen::Dynamic>(sum / std::max(1.0, count));
+  return eigen.vectors * eigen.values.cwiseMax(0).cwiseSqrt().asDiagonal() *
+         eigen.vectors.transpose();
 }
 
 /// The rig file's numbers in units of the limits.
@@ -52,7 +57,7 @@ Eigen::MatrixXd per_limit(const IndexedVector<CameraIndex, RigCamera>& cameras,
     scale.diagonal().segment<3>(extrinsics).setConstant(1.0 / limits.position_m);
     scale.diagonal().segment<3>(extrinsics + 3).setConstant(1.0 / limits.rotation_rad);
     scale.diagonal().segment<2>(intrinsics).setConstant(1.0 / (limits.focal * fu_px));
-    scale.block<6, 6>(intrinsics + 2, intrinsics + 2) =
+    scale.block<kBeyondFocal, kBeyondFocal>(intrinsics + 2, intrinsics + 2) =
         image_shift(camera.model) / (limits.rotation_rad * fu_px);
   }
   return scale;

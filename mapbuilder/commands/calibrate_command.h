@@ -13,8 +13,9 @@
 
 namespace waymark {
 
-/// `mapbuilder calibrate CAPTURE... -o rig.yaml [--model auto|none|radtan|equidistant]
-/// [--report DIR] [--redetect] [--detector NAME] [--threads N] [--strict] [--accept-errors]`
+/// `mapbuilder calibrate CAPTURE... -o rig.yaml [--model
+/// auto|none|radtan|rational|equidistant|eucm|ds] [--report DIR] [--redetect] [--detector NAME]
+/// [--threads N] [--strict] [--accept-errors]`
 struct CalibrateCommandOptions {
   CaptureInput input;  ///< no rig file needed; videos are none
   std::filesystem::path output;

@@ -11,7 +11,9 @@
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/diagnosis/input_findings.h"
 #include "mapbuilder/import/open_capture.h"
+#include "mapbuilder/import/recorded_file.h"
 #include "mapbuilder/observations/edge_correction.h"
+#include "mapbuilder/observations/logged_capture.h"
 
 namespace waymark {
 namespace {
@@ -50,25 +52,77 @@ void print_report(const std::string& name, const DetectionReport& report, std::o
              report.detections, report.from_csv ? " (from detections.csv)" : "");
 }
 
+/// A capture of which no image is kept, with what its detections say by themselves.
+void add_without_images(DetectedCapture capture, TakenCaptures& taken) {
+  std::vector<CameraLook> looks;
+  for (const RigCamera& camera : capture.rig.cameras) looks.emplace_back().camera = camera.name;
+  for (Finding& finding : input_findings(capture, looks)) {
+    taken.findings.push_back(std::move(finding));
+  }
+  taken.captures.push_back(std::move(capture));
+}
+
 Expected<TakenCaptures> take_videos_in(const CaptureInput& input, Progress& progress,
                                        std::ostream& notes) {
-  if (!input.rig_yaml || !input.markers_toml) {
-    return fail(ErrorKind::usage,
-                "{}: a video needs both --rig and --markers; a capture is a folder",
-                std::find_if(input.paths.begin(), input.paths.end() - 1, is_file)->string());
-  }
   DetectionReport report;
   auto detected = detect_videos({input.paths, *input.rig_yaml, *input.markers_toml, input.video},
                                 input.detect, progress, report);
   if (!detected) return tl::make_unexpected(detected.error());
   print_report(detected->name, report, notes);
   TakenCaptures taken;
-  std::vector<CameraLook> looks;  // at no image: none is kept of a video
-  for (const RigCamera& camera : detected->rig.cameras) looks.emplace_back().camera = camera.name;
-  taken.findings = input_findings(*detected, looks);
-  taken.captures.push_back(std::move(*detected));
+  add_without_images(std::move(*detected), taken);
   tell_default_sigmas(taken.captures, notes);
   return taken;
+}
+
+Expected<bool> is_log(const std::filesystem::path& path) {
+  if (!is_file(path)) return false;
+  const auto kind = kind_of_file(path);
+  if (!kind) return tl::make_unexpected(kind.error());
+  return *kind == RecordedFile::lcm_log;
+}
+
+/// Whether the paths are logs of locd's detections, each a capture of its own.
+Expected<bool> are_logs(const std::vector<std::filesystem::path>& paths) {
+  std::size_t logs = 0;
+  for (const auto& path : paths) {
+    const auto one = is_log(path);
+    if (!one) return one;
+    logs += *one ? 1 : 0;
+  }
+  if (logs == 0 || logs == paths.size()) return logs > 0;
+  return fail(ErrorKind::usage,
+              "{}: logs of detections and other captures at once; make captures of the logs by "
+              "mapbuilder import",
+              paths.front().string());
+}
+
+Expected<TakenCaptures> take_logs_in(const CaptureInput& input, Progress& progress,
+                                     std::ostream& notes) {
+  TakenCaptures taken;
+  for (const auto& path : input.paths) {
+    DetectionReport report;
+    auto detected =
+        take_logged_capture({path, *input.rig_yaml, *input.markers_toml}, progress, report);
+    if (!detected) return tl::make_unexpected(detected.error());
+    print_report(detected->name, report, notes);
+    add_without_images(std::move(*detected), taken);
+  }
+  tell_default_sigmas(taken.captures, notes);
+  return taken;
+}
+
+/// Videos, or logs: what brings neither rig nor markers along.
+Expected<TakenCaptures> take_files_in(const CaptureInput& input, Progress& progress,
+                                      std::ostream& notes) {
+  if (!input.rig_yaml || !input.markers_toml) {
+    return fail(ErrorKind::usage,
+                "{}: a video or a log needs both --rig and --markers; a capture is a folder",
+                std::find_if(input.paths.begin(), input.paths.end() - 1, is_file)->string());
+  }
+  const auto logs = are_logs(input.paths);
+  if (!logs) return tl::make_unexpected(logs.error());
+  return *logs ? take_logs_in(input, progress, notes) : take_videos_in(input, progress, notes);
 }
 
 }  // namespace
@@ -91,7 +145,7 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
                                          std::ostream& notes) {
   if (input.rig_yaml || input.markers_toml ||
       std::any_of(input.paths.begin(), input.paths.end(), is_file)) {
-    return take_videos_in(input, progress, notes);
+    return take_files_in(input, progress, notes);
   }
   // All are opened before the first is searched: what is wrong shows before the long work.
   std::vector<CaptureFolder> folders;
@@ -128,7 +182,7 @@ Expected<TakenCaptures> take_captures_in(const CaptureInput& input, Progress& pr
 }
 
 Status check_any_seen(const Observations& observations, const std::filesystem::path& capture) {
-  if (!observations.all.empty() || observations.degenerate > 0) return {};
+  if (observations.any_seen()) return {};
   return fail(
       ErrorKind::bad_data,
       "{}: {} frame sets show no marker that could be used; check the family and the ids in "

@@ -16,10 +16,11 @@
 
 namespace waymark {
 
-/// What the command line names as input: captures, or, with --rig and --markers, the videos of one.
+/// What the command line names as input: captures, or, with --rig and --markers, the videos of one
+/// or logs of locd's detections, each a capture.
 struct CaptureInput {
   std::vector<std::filesystem::path> paths;
-  std::optional<std::filesystem::path> rig_yaml;      ///< with it the paths are videos
+  std::optional<std::filesystem::path> rig_yaml;      ///< with it the paths are videos or logs
   std::optional<std::filesystem::path> markers_toml;  ///< likewise
   VideoOptions video;
   DetectCaptureOptions detect;
@@ -44,10 +45,10 @@ struct TakenCaptures {
     const std::vector<std::optional<std::filesystem::path>>& others,
     const char* remedy = "name another file");
 
-/// Opens captures or videos and makes or reads their detections; what the user should know goes to
-/// `notes`, a line each, at most 20 of a kind. Errors of open_capture, detect_capture and
-/// detect_videos; usage for a video without --rig and --markers, or
-/// whose edges are to be corrected.
+/// Opens captures, videos or logs and makes or reads their detections; what the user should know
+/// goes to `notes`, a line each, at most 20 of a kind. Errors of open_capture, detect_capture,
+/// detect_videos and take_logged_capture; usage for a video or log without --rig and --markers,
+/// and for logs among others.
 [[nodiscard]] Expected<TakenCaptures> take_captures_in(const CaptureInput& input,
                                                        Progress& progress, std::ostream& notes);
 

@@ -14,6 +14,11 @@ namespace waymark {
 Status run_detect(const DetectOptions& options, Progress& progress, std::ostream& out,
                   std::ostream& notes) {
   const auto output = options.output.value_or(options.capture / "detections.csv");
+  const bool logged = options.rig || options.markers;
+  if (logged && !options.output) {
+    return fail(ErrorKind::usage, "{}: name by -o where its detections are to be written",
+                options.capture.string());
+  }
   if (std::error_code ignored; std::filesystem::exists(options.capture, ignored)) {
     if (auto writable = check_writable(output); !writable) return writable;
     auto spares = check_spares_captures(output, {options.capture}, "name another file",
@@ -27,6 +32,8 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
   detect.engine = options.engine;
   CaptureInput input;
   input.paths = {options.capture};
+  input.rig_yaml = options.rig;
+  input.markers_toml = options.markers;
   input.detect = detect;
   auto taken = take_captures_in(input, progress, notes);
   if (!taken) return tl::make_unexpected(taken.error());

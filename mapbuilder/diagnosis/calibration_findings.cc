@@ -10,6 +10,7 @@
 #include <set>
 #include <utility>
 
+#include "core/camera/lens_kind.h"
 #include "core/geometry/degrees.h"
 #include "core/geometry/symmetric_factor.h"
 #include "mapbuilder/bundle/constant_direction.h"
@@ -76,9 +77,7 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
   const CameraParameters& old_one = before.model.parameters();
   const CameraParameters& new_one = after.model.parameters();
   const double focal = new_one.fu_px / old_one.fu_px - 1.0;
-  const bool stated_straight =
-      old_one.distortion == Distortion::none ||
-      (old_one.distortion == Distortion::radtan && old_one.coefficients == std::array<double, 4>{});
+  const bool stated_straight = is_straight(old_one);
   Finding finding;
   finding.cause = Cause::intrinsics;
   finding.subject = before.name;
@@ -96,28 +95,31 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
 }
 
 /// Whether what was fitted differs from the stated intrinsics by more than chance: the squared
-/// Mahalanobis distance, 8 freedoms. False where nothing is determined.
+/// Mahalanobis distance, a freedom per number. False where nothing is determined.
 bool differ_surely(const CameraModel& stated, const CameraModel& fitted,
                    const CalibrationUncertainty& sure, CameraIndex camera) {
   if (sure.joint.size() == 0) return false;
-  const auto first = static_cast<Eigen::Index>(6 * sure.cameras.size() + 8 * camera.value());
-  const Eigen::Matrix<double, 8, 8> covariance = sure.joint.block<8, 8>(first, first);
+  const auto first =
+      static_cast<Eigen::Index>(6 * sure.cameras.size() + kIntrinsicNumbers * camera.value());
+  using Covariance = Eigen::Matrix<double, kIntrinsicNumbers, kIntrinsicNumbers>;
+  const Covariance covariance =
+      sure.joint.block<kIntrinsicNumbers, kIntrinsicNumbers>(first, first);
   // Per sigma, for focal lengths and lens coefficients are of different size. What was not free
   // (the lens of a camera stated without any, at first) differs by nothing.
-  const Intrinsics sigma = covariance.diagonal().cwiseSqrt();
+  const IntrinsicsVector sigma = covariance.diagonal().cwiseSqrt();
   if (!(sigma.maxCoeff() > 0)) return false;
-  const Intrinsics per_sigma =
+  const IntrinsicsVector per_sigma =
       sigma.unaryExpr([](double one) { return one > 0 ? 1.0 / one : 0.0; });
-  const Intrinsics off = per_sigma.cwiseProduct(intrinsics_of(fitted) - intrinsics_of(stated));
-  Eigen::Matrix<double, 8, 8> correlation =
-      per_sigma.asDiagonal() * covariance * per_sigma.asDiagonal();
-  for (Eigen::Index i = 0; i < 8; ++i) {
+  const IntrinsicsVector off = per_sigma.cwiseProduct(intrinsics_of(fitted.parameters()) -
+                                                      intrinsics_of(stated.parameters()));
+  Covariance correlation = per_sigma.asDiagonal() * covariance * per_sigma.asDiagonal();
+  for (Eigen::Index i = 0; i < kIntrinsicNumbers; ++i) {
     if (!(sigma[i] > 0)) correlation(i, i) = 1.0;
   }
-  const double distance2 = off.dot(SymmetricFactor<8>(correlation).solve(off));
-  // As unlikely as five sigmas of one freedom.
-  constexpr double kByChance_8 = 44.0;
-  return distance2 > kByChance_8;
+  const double distance2 = off.dot(SymmetricFactor<kIntrinsicNumbers>(correlation).solve(off));
+  // As unlikely as five sigmas of one freedom: 44 with eight freedoms, two for each one more.
+  const auto freedoms = static_cast<double>((sigma.array() > 0).count());
+  return distance2 > 44.0 + 2.0 * std::max(0.0, freedoms - 8.0);
 }
 
 /// Corners of the observations that the map rests on, by camera: where in the image something was

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 
+#include "core/camera/lens_kind.h"
+
 namespace waymark {
 namespace {
 
@@ -18,7 +20,9 @@ constexpr double kSamePoint = 0.02;
 
 constexpr const char* kCalibrate = "Calibrate the camera anew, or build with --refine intrinsics.";
 
-double focal_of(const CameraParameters& p) { return std::sqrt(p.fu_px * p.fv_px); }
+double focal_of(const CameraParameters& p) {
+  return focal_share_at_axis(p) * std::sqrt(p.fu_px * p.fv_px);
+}
 
 bool near(double a, double b, double share) { return std::abs(a / b - 1.0) <= share; }
 
@@ -28,6 +32,8 @@ double bend_px(const CameraParameters& p) {
   CameraParameters straight = p;
   straight.distortion = Distortion::none;
   straight.coefficients = {};
+  straight.fu_px *= focal_share_at_axis(p);
+  straight.fv_px *= focal_share_at_axis(p);
   const auto bent = CameraModel::create(p);
   const auto plain = CameraModel::create(straight);
   if (!bent || !plain) return 0;

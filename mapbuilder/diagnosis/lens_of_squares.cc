@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/median.h"
+#include "core/camera/lens_kind.h"
 #include "core/estimate/ippe.h"
 #include "core/estimate/robust_loss.h"
 #include "core/geometry/symmetric_factor.h"
@@ -14,8 +15,8 @@
 namespace waymark {
 namespace {
 
-using Vector8d = Eigen::Matrix<double, 8, 1>;
-using Matrix8d = Eigen::Matrix<double, 8, 8>;
+using LensMatrix = Eigen::Matrix<double, kIntrinsicNumbers, kIntrinsicNumbers>;
+using PoseByLens = Eigen::Matrix<double, 6, kIntrinsicNumbers>;
 
 constexpr std::size_t kFewest = 20;
 constexpr std::size_t kMost = 300;
@@ -52,7 +53,7 @@ std::vector<CameraParameters> starts_near(const CameraParameters& stated) {
     resized.pv_px = (stated.pv_px + 0.5) * factor - 0.5;
     for (CameraParameters start : {focal, middle, resized}) {
       starts.push_back(start);
-      start.coefficients = {};
+      start.coefficients = plain_coefficients(start.distortion);
       starts.push_back(start);
     }
     for (const double squeeze : {0.75, 4.0 / 3.0}) {
@@ -69,13 +70,8 @@ CameraParameters with_lens(CameraParameters p) {
   return p;
 }
 
-CameraParameters moved(CameraParameters p, const Vector8d& by) {
-  p.fu_px += by[0];
-  p.fv_px += by[1];
-  p.pu_px += by[2];
-  p.pv_px += by[3];
-  for (std::size_t k = 0; k < 4; ++k) p.coefficients[k] += by[static_cast<Eigen::Index>(4 + k)];
-  return p;
+CameraParameters moved(const CameraParameters& p, const IntrinsicsVector& by) {
+  return with_intrinsics(p, intrinsics_of(p) + by);
 }
 
 /// Fits a camera and the squares' own poses together, robustly (Tukey's biweight at six times what
@@ -88,7 +84,23 @@ class LensFit {
     }
   }
 
+  /// A lens of many coefficients first as one of few, then by one more and one more: from afar the
+  /// further ones lead astray.
   void run() {
+    constexpr int kFew = 4;
+    const int count = lens_kind(camera_.parameters().distortion).count();
+    for (int few = kFew; few < count; ++few) run_with(few);
+    run_with(kMaxCoefficients);
+  }
+
+  [[nodiscard]] LensOfSquares result() const {
+    return {camera_.parameters(), own_px_of(squared(camera_, poses()))};
+  }
+
+ private:
+  /// The first `coefficients` vary.
+  void run_with(int coefficients) {
+    coefficients_ = coefficients;
     constexpr int kIterations = 30;
     double damping = 1e-3;
     double cost = cost_of(camera_, poses());
@@ -111,17 +123,12 @@ class LensFit {
     }
   }
 
-  [[nodiscard]] LensOfSquares result() const {
-    return {camera_.parameters(), own_px_of(squared(camera_, poses()))};
-  }
-
- private:
   struct Square {
     ImageCorners corners_px;
     Rigid3 pose;
   };
   struct Step {
-    Vector8d lens = Vector8d::Zero();
+    IntrinsicsVector lens = IntrinsicsVector::Zero();
     std::vector<Rigid3> poses;
   };
 
@@ -153,37 +160,42 @@ class LensFit {
   }
 
   /// What any lens is like, one standard deviation: it holds what the squares leave open.
-  [[nodiscard]] Vector8d prior_information() const {
+  [[nodiscard]] IntrinsicsVector prior_information() const {
     const CameraParameters& p = camera_.parameters();
-    Vector8d sigma;
-    sigma << 10.0 * p.width_px, 10.0 * p.width_px, 0.15 * p.width_px, 0.15 * p.height_px, 0.5, 0.5,
-        0.05, 0.05;
-    if (p.distortion == Distortion::equidistant) sigma.tail<4>().setConstant(0.2);
+    IntrinsicsVector sigma = IntrinsicsVector::Ones();
+    sigma.head<4>() << 10.0 * p.width_px, 10.0 * p.width_px, 0.15 * p.width_px, 0.15 * p.height_px;
+    const LensKind& kind = lens_kind(p.distortion);
+    for (int k = 0; k < kind.count(); ++k) {
+      sigma[4 + k] = kind.coefficients[static_cast<std::size_t>(k)].spread;
+    }
     return sigma.cwiseAbs2().cwiseInverse();
   }
-  [[nodiscard]] static Vector8d off_prior(const CameraParameters& p) {
-    Vector8d off;
-    off << 0, 0, p.pu_px - 0.5 * (p.width_px - 1), p.pv_px - 0.5 * (p.height_px - 1),
-        p.coefficients[0], p.coefficients[1], p.coefficients[2], p.coefficients[3];
-    return off;
+  [[nodiscard]] static IntrinsicsVector off_prior(const CameraParameters& p) {
+    CameraParameters middling = p;
+    middling.pu_px = 0.5 * (p.width_px - 1);
+    middling.pv_px = 0.5 * (p.height_px - 1);
+    middling.coefficients = usual_coefficients(p.distortion);
+    return intrinsics_of(p) - intrinsics_of(middling);
   }
   [[nodiscard]] double prior_cost(const CameraParameters& p) const {
-    const Vector8d off = off_prior(p);
+    const IntrinsicsVector off = off_prior(p);
     return off.dot(prior_information().cwiseProduct(off));
   }
 
   [[nodiscard]] Step solve(double damping) const {
     struct Eliminated {
       Vector6d offset = Vector6d::Zero();
-      Eigen::Matrix<double, 6, 8> back = Eigen::Matrix<double, 6, 8>::Zero();
+      PoseByLens back = PoseByLens::Zero();
     };
-    const Vector8d prior = prior_information();
-    Matrix8d hessian = prior.asDiagonal();
-    Vector8d gradient = prior.cwiseProduct(off_prior(camera_.parameters()));
+    const IntrinsicsVector prior = prior_information();
+    LensMatrix hessian = prior.asDiagonal();
+    IntrinsicsVector gradient = prior.cwiseProduct(off_prior(camera_.parameters()));
+    gradient.tail(kMaxCoefficients - coefficients_).setZero();
     std::vector<Eliminated> eliminated(squares_.size());
     for (std::size_t s = 0; s < squares_.size(); ++s) {
-      const auto one = linearize_square(camera_, squares_[s].corners_px, squares_[s].pose);
+      auto one = linearize_square(camera_, squares_[s].corners_px, squares_[s].pose);
       if (!one) continue;
+      one->by_lens.rightCols(kMaxCoefficients - coefficients_).setZero();
       const double weight = robust_weight(Loss::tukey, kScale,
                                           one->residual.squaredNorm() / (sigma_px_ * sigma_px_)) /
                             (sigma_px_ * sigma_px_);
@@ -191,7 +203,7 @@ class LensFit {
       Matrix6d pose = one->by_pose.transpose() * one->by_pose;
       pose.diagonal() *= 1.0 + damping;
       const SymmetricFactor<6> factor(pose);
-      const Eigen::Matrix<double, 6, 8> cross = one->by_pose.transpose() * one->by_lens;
+      const PoseByLens cross = one->by_pose.transpose() * one->by_lens;
       eliminated[s].offset = factor.solve(one->by_pose.transpose() * one->residual);
       for (Eigen::Index k = 0; k < cross.cols(); ++k) {
         eliminated[s].back.col(k) = factor.solve(cross.col(k));
@@ -203,7 +215,7 @@ class LensFit {
     }
     hessian.diagonal() *= 1.0 + damping;
     Step step;
-    step.lens = -SymmetricFactor<8>(hessian).solve(gradient);
+    step.lens = -SymmetricFactor<kIntrinsicNumbers>(hessian).solve(gradient);
     for (std::size_t s = 0; s < squares_.size(); ++s) {
       step.poses.push_back(
           squares_[s].pose.plus(-(eliminated[s].offset + eliminated[s].back * step.lens)));
@@ -214,6 +226,7 @@ class LensFit {
   CameraModel camera_;
   std::vector<Square> squares_;
   double sigma_px_ = 1.0;
+  int coefficients_ = kMaxCoefficients;  ///< that vary, the first ones
 };
 
 /// The starts that fit the squares best, roughly.

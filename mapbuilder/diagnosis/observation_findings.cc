@@ -33,6 +33,19 @@ Finding degenerate_found(std::size_t count) {
   return finding;
 }
 
+Finding beyond_calibration_found(const RigCamera& camera, std::size_t count) {
+  Finding finding;
+  finding.severity = Severity::note;
+  finding.cause = Cause::intrinsics;
+  finding.subject = camera.name;
+  finding.text = fmt::format(
+      "{} left out: farther than {:.0f} px from its principal point the calibration says nothing.",
+      detections(count), camera.model.valid_radius_px());
+  finding.cameras = {camera.name};
+  finding.figures = {{"detections left out", static_cast<double>(count), "", {}}};
+  return finding;
+}
+
 }  // namespace
 
 std::vector<Finding> observation_findings(const Observations& observations) {
@@ -41,6 +54,13 @@ std::vector<Finding> observation_findings(const Observations& observations) {
     findings.push_back(repeated_found(observations.repeated_in_image));
   }
   if (observations.degenerate > 0) findings.push_back(degenerate_found(observations.degenerate));
+  for (const CameraIndex c : observations.beyond_calibration.indices()) {
+    const std::size_t count = observations.beyond_calibration[c];
+    if (count == 0) continue;
+    const CameraPlace& place = observations.cameras[c];
+    findings.push_back(
+        beyond_calibration_found(observations.rigs[place.rig].cameras[place.in_rig], count));
+  }
   return findings;
 }
 

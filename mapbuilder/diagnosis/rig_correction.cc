@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/camera/lens_kind.h"
+
 namespace waymark {
 namespace {
 
@@ -41,9 +43,9 @@ void exchange(std::size_t a, std::size_t b, DetectedCapture& capture, LensEviden
 CameraParameters turned_by_half(CameraParameters p) {
   p.pu_px = p.width_px - 1 - p.pu_px;
   p.pv_px = p.height_px - 1 - p.pv_px;
-  if (p.distortion == Distortion::radtan) {  // p1 and p2 turn with the image
-    p.coefficients[2] = -p.coefficients[2];
-    p.coefficients[3] = -p.coefficients[3];
+  const auto names = lens_kind(p.distortion).coefficients;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (names[k].name.starts_with('p')) p.coefficients[k] *= -1;  // p1 and p2 turn with the image
   }
   return p;
 }

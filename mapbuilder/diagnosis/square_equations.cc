@@ -72,10 +72,13 @@ double own_px_of(std::vector<double> squared) {
 }
 
 std::vector<ImageCorners> outlines_of(const DetectedCapture& capture, std::size_t camera) {
+  const CameraModel& model = capture.rig.cameras[camera].model;
   std::vector<ImageCorners> outlines;
   for (const ImageDetections& image : capture.images) {
     if (image.camera != static_cast<int>(camera)) continue;
-    for (const Detection& detection : image.detections) outlines.push_back(detection.corners);
+    for (const Detection& detection : image.detections) {
+      if (model.covers_all(detection.corners)) outlines.push_back(detection.corners);
+    }
   }
   return outlines;
 }

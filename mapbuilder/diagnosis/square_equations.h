@@ -15,9 +15,9 @@ namespace waymark {
 /// The eight numbers of a marker's outline near a pose of its own: what they say of lens and print,
 /// no map, rig or size asked, for the pose takes six of them.
 struct SquareEquations {
-  Eigen::Matrix<double, 8, 1> residual;    ///< observed less predicted (px)
-  Eigen::Matrix<double, 8, 6> by_pose;     ///< Rigid3's tangent of cam_from_marker
-  Eigen::Matrix<double, 8, 8> by_lens;     ///< fu fv pu pv and the coefficients
+  Eigen::Matrix<double, 8, 1> residual;                 ///< observed less predicted (px)
+  Eigen::Matrix<double, 8, 6> by_pose;                  ///< Rigid3's tangent of cam_from_marker
+  Eigen::Matrix<double, 8, kIntrinsicNumbers> by_lens;  ///< fu fv pu pv and the coefficients
   Eigen::Matrix<double, 8, 1> by_stretch;  ///< logarithm of the print's width over its height
 };
 
@@ -38,7 +38,8 @@ struct SquareEquations {
 /// leave: by the median, so that a few wrong outlines have no say; infinite of none.
 [[nodiscard]] double own_px_of(std::vector<double> squared);
 
-/// What a camera of a capture has seen, in the order of its images.
+/// What a camera of a capture has seen where its calibration says something, in the order of its
+/// images.
 [[nodiscard]] std::vector<ImageCorners> outlines_of(const DetectedCapture& capture,
                                                     std::size_t camera);
 

@@ -2,6 +2,8 @@
 
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -9,6 +11,7 @@
 
 #include "core/base/atomic_file.h"
 #include "core/base/json_fields.h"
+#include "core/camera/lens_kind.h"
 
 namespace waymark {
 namespace {
@@ -16,7 +19,6 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMaxBytes = std::size_t{1} << 20;
-constexpr std::size_t kRadtanCount = 4;
 constexpr int kMaxSide_px = 1'000'000;
 
 /// All numbers of an array, however nested, or of OpenCV's matrix object; nullopt when something
@@ -82,20 +84,17 @@ class Reader {
     const json* const node = first_of({"dist", "distortion"});
     if (node == nullptr) return unknown_form("the distortion (dist or distortion)");
     const auto coefficients = flat_numbers(*node);
-    if (!coefficients || (!coefficients->empty() && coefficients->size() < kRadtanCount)) {
+    if (coefficients && coefficients->empty()) return {};
+    const auto kind = coefficients ? radial_kind_of(*coefficients) : std::nullopt;
+    if (!kind) {
       return fail(ErrorKind::bad_data,
-                  "{}: the distortion must be a list of numbers, k1 k2 p1 p2 (or empty)", name_);
+                  "{}: the distortion must be a list of numbers, k1 k2 p1 p2 (or empty), with k3, "
+                  "or with k3 k4 k5 k6; further ones must be 0",
+                  name_);
     }
-    for (std::size_t i = 0; i < coefficients->size(); ++i) {
-      if (i < kRadtanCount) {
-        calib_.radtan[i] = (*coefficients)[i];
-      } else if ((*coefficients)[i] != 0) {
-        return fail(ErrorKind::bad_data,
-                    "{}: distortion coefficient {} is {}; only k1 k2 p1 p2 are known here, further "
-                    "ones must be 0: calibrate with four",
-                    name_, i + 1, (*coefficients)[i]);
-      }
-    }
+    calib_.distortion = *kind;
+    std::copy_n(coefficients->begin(), std::min(coefficients->size(), calib_.coefficients.size()),
+                calib_.coefficients.begin());
     return {};
   }
 

@@ -215,8 +215,8 @@ class LayoutReader {
     parameters.fv_px = calib->fv_px;
     parameters.pu_px = calib->pu_px;
     parameters.pv_px = calib->pv_px;
-    parameters.distortion = Distortion::radtan;
-    parameters.coefficients = calib->radtan;
+    parameters.distortion = calib->distortion;
+    parameters.coefficients = calib->coefficients;
     auto model = CameraModel::create(parameters);
     if (!model) return fail(model.error().kind, "{}: {}", path.string(), model.error().message);
     capture_.rig.cameras.push_back(

@@ -66,18 +66,23 @@ class ObservationMaker {
     }
   }
 
-  /// Leaves out what has no IPPE solution, and puts what an image shows twice behind the rest.
+  /// Leaves out what lies beyond its camera's calibration or has no IPPE solution, and puts what an
+  /// image shows twice behind the rest.
   [[nodiscard]] Observations finish(int threads) && {
-    const std::vector<char> is_square = squares(threads);
+    const std::vector<View> views = views_of_found(threads);
+    made_.beyond_calibration.assign(made_.cameras.size(), 0);
     std::vector<Observation> repeated;
     std::size_t at = 0;
     for (const FrameSetIndex f : made_.frame_sets.indices()) {
       const std::size_t first = made_.all.size();
       for (; at < found_.size() && found_[at].observation.frame_set == f; ++at) {
-        if (found_[at].repeated) {
-          if (is_square[at] != 0) repeated.push_back(found_[at].observation);
-        } else if (is_square[at] != 0) {
-          made_.all.push_back(found_[at].observation);
+        const Observation& o = found_[at].observation;
+        if (views[at] == View::beyond_calibration) {
+          ++made_.beyond_calibration[o.camera];
+        } else if (found_[at].repeated) {
+          if (views[at] == View::square) repeated.push_back(o);
+        } else if (views[at] == View::square) {
+          made_.all.push_back(o);
         } else {
           ++made_.degenerate;
         }
@@ -152,16 +157,19 @@ class ObservationMaker {
     }
   }
 
-  /// Per observation: 1 where its corners are a view of a square.
-  [[nodiscard]] std::vector<char> squares(int threads) const {
-    std::vector<char> is_square(found_.size(), 0);
+  /// Of what an observation's corners are a view.
+  enum class View : char { square, none, beyond_calibration };
+  [[nodiscard]] std::vector<View> views_of_found(int threads) const {
+    std::vector<View> views(found_.size(), View::beyond_calibration);
     parallel_for(found_.size(), threads, [&](std::size_t i) {
       const Observation& o = found_[i].observation;
       const CameraPlace& place = made_.cameras[o.camera];
       const CameraModel& camera = made_.rigs[place.rig].cameras[place.in_rig].model;
-      is_square[i] = solve_ippe(camera, o.corners_px, made_.stated_sizes_m[o.marker]) ? 1 : 0;
+      if (!camera.covers_all(o.corners_px)) return;
+      const auto pose = solve_ippe(camera, o.corners_px, made_.stated_sizes_m[o.marker]);
+      views[i] = pose ? View::square : View::none;
     });
-    return is_square;
+    return views;
   }
 
   ObservationOptions options_;

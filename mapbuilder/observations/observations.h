@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -77,8 +78,16 @@ struct Observations {
   std::size_t repeated_in_image = 0;  ///< of an id that was found twice in one image
   /// Whose corners can't be undistorted or are no front view of a square; left out.
   std::size_t degenerate = 0;
+  /// Per camera: with corners where its calibration says nothing (CameraModel::covers); left out.
+  IndexedVector<CameraIndex, std::size_t> beyond_calibration;
 
   [[nodiscard]] const Observation& operator[](ObservationIndex index) const { return all[index]; }
+  /// Whether anything usable was seen, be it left out.
+  [[nodiscard]] bool any_seen() const {
+    return !all.empty() || degenerate > 0 ||
+           std::any_of(beyond_calibration.begin(), beyond_calibration.end(),
+                       [](std::size_t count) { return count > 0; });
+  }
   [[nodiscard]] bool several_families() const {
     MeetingFamilies families;
     for (const MarkerId& id : markers) families.add(id.family);

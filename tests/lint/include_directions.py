@@ -19,7 +19,7 @@ MAY_INCLUDE = {
     "core/map": ["core/marker", "proto"],
     "core/estimate": ["core/capture", "core/map"],
     "mapbuilder": ["mapbuilder/commands", "manual"],
-    "mapbuilder/import": ["core/capture"],
+    "mapbuilder/import": ["core/capture", "proto"],
     "mapbuilder/referees": ["core/detect"],
     "mapbuilder/observations": ["core/detect", "core/estimate", "mapbuilder/import", "mapbuilder/referees"],
     "mapbuilder/bundle": ["mapbuilder/observations"],
@@ -53,6 +53,7 @@ ONLY_IN = {
     r"lib(av|sw)[a-z]+/": ["mapbuilder/import"],
     r"ceres/": ["mapbuilder/bundle"],
     r"hpdf": ["mapbuilder/print"],
+    r"lz4|zstd|sqlite3": ["mapbuilder/import"],
     r"lcm/lcm": ["locd/publish"],
     r"CLI/": ["manual", "mapbuilder", "simulator", "locd/main.cc", "locd/locdctl.cc"],
 }

@@ -117,12 +117,17 @@ waymark::detections_t detections() {
   m.utime = 1'800'000'000'123'456;
   m.seq = 8;
   m.session_id = "0123456789abcdef";
+  m.rig = "00112233aabbccdd";
+  m.camera_count = 3;
+  m.camera_offset_us = {-12.5, 0, 12.5};
   m.count = 2;
   m.camera = {0, 2};
   m.family = {"tag36h11", "aruco_4x4_1000"};
   m.marker_id = {12, 999};
   m.corners_px = {{1.5F, 2.5F, 3.5F, 4.5F, 5.5F, 6.5F, 7.5F, 8.5F},
                   {100.25F, 1, 2, 3, 4, 5, 6, 1223.75F}};
+  m.covariances_px2 = {{0.25F, 0, 0.25F, 0.25F, 0, 0.25F, 0.25F, 0, 0.25F, 0.25F, 0, 0.25F},
+                       {1, 0.5F, 2, 1, 0.5F, 2, 1, 0.5F, 2, 1, 0.5F, 2}};
   m.verdict = {0, 3};
   return m;
 }

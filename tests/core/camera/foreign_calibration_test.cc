@@ -38,7 +38,7 @@ TEST(ForeignCalibration, OtherProgramsCalibrationsAreReadAsTheRigOfOneCamera) {
     EXPECT_EQ(p.width_px, 640);
     EXPECT_EQ(p.height_px, 480);
     EXPECT_EQ(p.distortion, Distortion::radtan);
-    EXPECT_EQ(p.coefficients, (std::array<double, 4>{-0.1, 0.02, 0.001, 0.002}));
+    EXPECT_EQ(p.coefficients, (LensCoefficients{-0.1, 0.02, 0.001, 0.002}));
     ASSERT_FALSE(loaded->notes.empty());
     EXPECT_THAT(loaded->notes[0], HasSubstr("another program's calibration"));
   }
@@ -55,6 +55,36 @@ TEST(ForeignCalibration, AForeignLensThatHasNoModelHereIsNamed) {
       "rig.yaml");
   ASSERT_TRUE(straight);
   EXPECT_EQ(straight->rig.cameras[0].model.parameters().distortion, Distortion::none);
+}
+
+TEST(ForeignCalibration, FiveAndEightCoefficientsAreReadInOpenCvsOrder) {
+  const auto lens_of = [](const char* text, const std::string& from, const std::string& to) {
+    const auto loaded = parse_camchain(replaced(text, from, to), "rig.yaml");
+    EXPECT_TRUE(loaded) << loaded.error().message;
+    return loaded ? loaded->rig.cameras[0].model.parameters() : CameraParameters{};
+  };
+  for (const char* text : {kRosCameraInfo, kOpenCvStorage}) {
+    const std::string storage = text;
+    const auto begin = storage.find("data: [", storage.find("distortion_coefficients")) + 6;
+    const std::string data = storage.substr(begin, storage.find(']', begin) + 1 - begin);
+    const CameraParameters five = lens_of(text, data, "[-0.1, 0.02, 0.001, 0.002, -0.03]");
+    EXPECT_EQ(five.distortion, Distortion::radtan5);
+    EXPECT_EQ(five.coefficients, (LensCoefficients{-0.1, 0.02, 0.001, 0.002, -0.03}));
+    const CameraParameters eight =
+        lens_of(text, data, "[0.3, -0.1, 0.001, 0.002, -0.03, 0.4, 0.01, -0.02, 0, 0, 0, 0]");
+    EXPECT_EQ(eight.distortion, Distortion::rational);
+    EXPECT_EQ(eight.coefficients,
+              (LensCoefficients{0.3, -0.1, 0.001, 0.002, -0.03, 0.4, 0.01, -0.02}));
+    // Six of a rational's eight numbers, the others zero.
+    EXPECT_EQ(lens_of(text, data, "[0.3, -0.1, 0, 0, -0.03, 0.4, 0, 0]").distortion,
+              Distortion::rational);
+    EXPECT_THAT(message_of(replaced(text, data, "[0.1, 0, 0, 0, 0, 0, 0, 0, 0.001, 0, 0, 0]")),
+                HasSubstr("distortion coefficient 9 is 0.001; of a lens, 8 are read"));
+  }
+  EXPECT_EQ(lens_of(replaced(kRosCameraInfo, "plumb_bob", "rational_polynomial").c_str(),
+                    "[-0.1, 0.02, 0.001, 0.002, 0.0]", "[0.3, -0.1, 0, 0, 0, 0.4, 0.01, -0.02]")
+                .distortion,
+            Distortion::rational);
 }
 
 TEST(ForeignCalibration, AFisheyeWithoutCoefficientsIsNoPinhole) {

@@ -28,6 +28,23 @@ TEST(RigFingerprint, DependsOnNumbersAlone) {
   EXPECT_NE(fingerprint(other), fingerprint(rig()));
 }
 
+TEST(RigFingerprint, DependsOnEveryNumberOfALens) {
+  Rig rational = rig();
+  CameraParameters p = rational.cameras[0].model.parameters();
+  p.distortion = Distortion::rational;
+  rational.cameras[0].model = *CameraModel::create(p);
+  Rig other = rational;
+  p.coefficients[7] = 1e-12;
+  other.cameras[0].model = *CameraModel::create(p);
+  EXPECT_NE(fingerprint(other), fingerprint(rational));
+  p.valid_radius_px = 300;
+  other.cameras[0].model = *CameraModel::create(p);
+  const std::string bounded = fingerprint(other);
+  p.valid_radius_px = 301;
+  other.cameras[0].model = *CameraModel::create(p);
+  EXPECT_NE(fingerprint(other), bounded);
+}
+
 TEST(RigFingerprint, IsThatOfTheFileReadAgain) {
   const auto again = parse_camchain(format_camchain(rig()), "rig.yaml");
   ASSERT_TRUE(again.has_value());

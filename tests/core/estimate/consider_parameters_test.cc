@@ -69,9 +69,9 @@ TEST(ConsiderParameters, TangentsMoveWhatTheyName) {
   EXPECT_EQ(tangent(CameraQuantity::focal, 0)[7], 510);
   EXPECT_EQ(tangent(CameraQuantity::principal, 1)[9], 1);
   EXPECT_EQ(tangent(CameraQuantity::k1, 0)[10], 1);
-  EXPECT_EQ(tangent(CameraQuantity::edge, 0)[14], 1);
+  EXPECT_EQ(tangent(CameraQuantity::edge, 0)[18], 1);
   EXPECT_TRUE(tangent(CameraQuantity::stamp, 0).isZero(0));
-  EXPECT_EQ(tangent_of({0, {}, 0.16}, model)[15], 1);
+  EXPECT_EQ(tangent_of({0, {}, 0.16}, model)[19], 1);
 }
 
 TEST(ConsiderParameters, RootsSquareToTheCovariance) {

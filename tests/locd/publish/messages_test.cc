@@ -9,7 +9,9 @@
 namespace waymark {
 namespace {
 
-SessionFacts session() { return {"0123456789abcdef", "fedcba9876543210", {}, true, 3}; }
+SessionFacts session() {
+  return {"0123456789abcdef", "fedcba9876543210", {}, true, 3, "00112233aabbccdd"};
+}
 
 /// The machine came up at the epoch + 1,800,000,000 s, so that offsets are round numbers.
 ClockOffset clock_offset() {
@@ -159,6 +161,9 @@ TEST(Messages, DetectionsSurviveEncoding) {
     for (std::size_t k = 0; k < 4; ++k) {
       seen.corners_px[k] = Eigen::Vector2d(100.5 * i + static_cast<double>(k), 7.25);
     }
+    if (i == 2) {
+      seen.covariances.emplace().fill((Eigen::Matrix2d() << 0.25, 0.125, 0.125, 0.5).finished());
+    }
     e.observations.push_back(seen);
   }
   detections_t m = make_detections_message(facts);
@@ -175,6 +180,13 @@ TEST(Messages, DetectionsSurviveEncoding) {
   EXPECT_EQ(back.marker_id[2], 12);
   EXPECT_EQ(back.camera[1], 1);
   EXPECT_EQ(back.verdict[0], 1);
+  EXPECT_EQ(back.rig, facts.rig);
+  ASSERT_EQ(back.camera_count, 3);
+  EXPECT_EQ(std::isnan(back.camera_offset_us[0]), (e.cameras_in_set & camera_bit(0)) == 0);
+  EXPECT_TRUE(std::isnan(back.covariances_px2[0][0])) << "none was stated";
+  const std::vector<float> stated{0.25F, 0.125F, 0.5F, 0.25F, 0.125F, 0.5F,
+                                  0.25F, 0.125F, 0.5F, 0.25F, 0.125F, 0.5F};
+  EXPECT_EQ(back.covariances_px2[2], stated);
   EXPECT_FLOAT_EQ(back.corners_px[2][4], 203.0F);
   EXPECT_FLOAT_EQ(back.corners_px[2][5], 7.25F);
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <random>
+#include <set>
 
 #include "tests/mapbuilder/bundle/bundle_of_room.h"
 
@@ -30,8 +31,8 @@ class Problem : public testing::Test {
   BundleProblem bundle = test::bundle_of(room);
 };
 
-TEST_F(Problem, TheGradientOfEveryVariableIsThatOfTheCost) {
-  auto all = problem(kEverything);
+/// The gradient against differences of the cost, variable by variable.
+void expect_gradient_of_cost(ReducedProblem all) {
   // With the rigs at their optimum for the blocks the reduced gradient is the total
   // derivative; at huge damping the rigs stay and it is the partial one.
   const ReducedSystem system = all.reduce(all.start(), 1e30);
@@ -46,6 +47,33 @@ TEST_F(Problem, TheGradientOfEveryVariableIsThatOfTheCost) {
     step[i] = -h;
     const double minus = all.cost(all.moved(all.start(), step, promised));
     EXPECT_NEAR(system.gradient[i] / scale, (plus - minus) / (2 * h * scale), 1e-3) << "row " << i;
+  }
+}
+
+TEST_F(Problem, TheGradientOfEveryVariableIsThatOfTheCost) {
+  expect_gradient_of_cost(problem(kEverything));
+}
+
+TEST_F(Problem, SoItIsOfEveryLens) {
+  const std::pair<Distortion, LensCoefficients> kLenses[] = {
+      {Distortion::radtan5, {0.001, 0, 0, 0, -0.001}},
+      {Distortion::rational, {0.001, 0, 0, 0, 0, -0.001, 0.001, 0.001}},
+      {Distortion::equidistant, {0.33, -0.05, 0, 0}},
+      {Distortion::eucm, {0.001, 1}},
+      {Distortion::double_sphere, {0, 0.001}}};
+  for (const auto& [distortion, coefficients] : kLenses) {
+    SCOPED_TRACE(to_string(distortion));
+    for (RigCamera& camera : room.truth.calibration.rigs.front().cameras) {
+      CameraParameters p = camera.model.parameters();
+      p.distortion = distortion;
+      p.coefficients = coefficients;
+      camera.model = *CameraModel::create(p);
+    }
+    ReducedProblem all = problem(kEverything);
+    std::set<int> rows;
+    for (int k = 0; k < kIntrinsicNumbers; ++k) rows.insert(all.layout().row_of(CameraIndex(1), k));
+    EXPECT_EQ(rows.size(), static_cast<std::size_t>(kIntrinsicNumbers));
+    expect_gradient_of_cost(std::move(all));
   }
 }
 

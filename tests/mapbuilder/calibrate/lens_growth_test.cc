@@ -1,27 +1,10 @@
 #include "mapbuilder/calibrate/lens_growth.h"
 
 #include "tests/mapbuilder/calibrate/unknown_room.h"
+#include "tests/support/other_lens.h"
 
 namespace waymark {
 namespace {
-
-/// The room as another lens would have taken it.
-test::SyntheticRoom taken_by(test::SyntheticRoom room, const CameraParameters& lens) {
-  const CameraModel straight = room.rig.cameras[0].model;
-  const CameraModel other = *CameraModel::create(lens);
-  for (ImageDetections& image : room.images) {
-    std::erase_if(image.detections, [&](Detection& detection) {
-      for (Eigen::Vector2d& corner : detection.corners) {
-        const auto there = other.project(*straight.bearing(corner));
-        if (!there || !other.in_image(*there)) return true;
-        corner = *there;
-      }
-      return false;
-    });
-  }
-  for (RigCamera& camera : room.rig.cameras) camera.model = other;
-  return room;
-}
 
 std::optional<GrownLens> grown(const test::SyntheticRoom& room,
                                std::optional<Distortion> kind = {}) {
@@ -43,7 +26,7 @@ TEST(LensGrowth, ABentLensBends) {
   CameraParameters bent = test::ring_rig(1).cameras[0].model.parameters();
   bent.distortion = Distortion::radtan;
   bent.coefficients = {-0.1, 0.02, 0.0005, -0.0005};
-  const auto lens = grown(taken_by(test::noisy_room(1), bent));
+  const auto lens = grown(test::taken_by(test::noisy_room(1), bent));
   ASSERT_TRUE(lens);
   EXPECT_EQ(lens->parameters.distortion, Distortion::radtan) << lens->evidence;
   EXPECT_NEAR(lens->parameters.fu_px, 640, 2);
@@ -55,7 +38,7 @@ TEST(LensGrowth, AFisheyeIsOne) {
   fisheye.distortion = Distortion::equidistant;
   fisheye.fu_px = fisheye.fv_px = 700;
   fisheye.coefficients = {-0.015, 0.003, 0.0, 0.0};
-  const auto lens = grown(taken_by(test::noisy_room(1), fisheye));
+  const auto lens = grown(test::taken_by(test::noisy_room(1), fisheye));
   ASSERT_TRUE(lens);
   EXPECT_EQ(lens->parameters.distortion, Distortion::equidistant) << lens->evidence;
   EXPECT_NEAR(lens->parameters.fu_px, 700, 3);

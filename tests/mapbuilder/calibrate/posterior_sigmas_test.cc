@@ -25,16 +25,16 @@ Rig bent_rig(int cameras) {
 
 /// 1 mm, 1 mrad, 0.64 px of focal length, 0.5 px, 0.001 of coefficients; cam0's place is constant.
 Eigen::MatrixXd joint_of(int cameras) {
-  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(14 * cameras);
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero((6 + kIntrinsicNumbers) * cameras);
   for (int c = 0; c < cameras; ++c) {
     if (c > 0) sigma.segment(6 * c, 6).setConstant(0.001);
-    sigma.segment(6 * cameras + 8 * c, 2).setConstant(0.64);
-    sigma.segment(6 * cameras + 8 * c + 2, 2).setConstant(0.5);
-    sigma.segment(6 * cameras + 8 * c + 4, 4).setConstant(0.001);
+    sigma.segment(6 * cameras + kIntrinsicNumbers * c, 2).setConstant(0.64);
+    sigma.segment(6 * cameras + kIntrinsicNumbers * c + 2, 2).setConstant(0.5);
+    sigma.segment(6 * cameras + kIntrinsicNumbers * c + 4, 4).setConstant(0.001);
   }
   Eigen::MatrixXd joint = sigma.cwiseAbs2().asDiagonal();
   for (int c = 0; c < cameras; ++c) {
-    const int fu = 6 * cameras + 8 * c;
+    const int fu = 6 * cameras + kIntrinsicNumbers * c;
     joint(fu, fu + 1) = joint(fu + 1, fu) = 0.999 * 0.64 * 0.64;  // fu and fv go together
   }
   return joint;
@@ -65,7 +65,7 @@ TEST(PosteriorSigmas, OfNumbersThatWereConstantAreTheirDefaults) {
   CameraParameters p = straight.cameras[0].model.parameters();
   p.distortion = Distortion::none;
   straight.cameras[0].model = *CameraModel::create(p);
-  const Rig rig = with_posterior_sigmas(straight, Eigen::MatrixXd::Zero(14, 14), false, {});
+  const Rig rig = with_posterior_sigmas(straight, Eigen::MatrixXd::Zero(18, 18), false, {});
   EXPECT_FALSE(rig.cameras[0].stated_sigmas.focal);
   EXPECT_NEAR(std::sqrt(rig_covariance(rig)(0, 0)), 0.001, 1e-12) << "focal, as of Kalibr";
 }

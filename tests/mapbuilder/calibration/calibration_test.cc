@@ -1,7 +1,9 @@
 #include <random>
 
+#include "core/camera/lens_kind.h"
 #include "mapbuilder/build/map_builder.h"
 #include "tests/mapbuilder/observations/room_observations.h"
+#include "tests/support/other_lens.h"
 
 namespace waymark {
 namespace {
@@ -68,6 +70,30 @@ TEST(Refinement, FindsTrueIntrinsics) {
   EXPECT_NEAR(
       result.estimate.calibration.rigs.front().cameras[0].model.parameters().fu_px / true_fu, 1.0,
       5 * std::max(1e-4, calibration.uncertainty.cameras.front().focal));
+}
+
+TEST(Refinement, FindsK3AndEucmFromZeroDistortion) {
+  const std::pair<Distortion, LensCoefficients> kLenses[] = {
+      {Distortion::radtan5, {-0.2, 0.06, 0.0005, -0.0005, -0.005}}, {Distortion::eucm, {0.6, 1.1}}};
+  for (const auto& [distortion, coefficients] : kLenses) {
+    auto room = noisy_room(1);
+    CameraParameters truth = room.rig.cameras[0].model.parameters();
+    truth.distortion = distortion;
+    truth.coefficients = coefficients;
+    truth.fu_px = truth.fv_px = 640 / focal_share_at_axis(truth);
+    room = test::taken_by(std::move(room), truth);
+    CameraParameters stated = truth;
+    stated.coefficients = plain_coefficients(distortion);
+    stated.fu_px = stated.fv_px = 1.05 * 640;
+    room.rig.cameras[0].model = *CameraModel::create(stated);
+    const auto observations = test::observations_of(room);
+    BuildOptions options;
+    options.refine.intrinsics = true;
+    const BuildResult result = build(observations, options);
+    const CameraModel& found = result.estimate.calibration.rigs.front().cameras[0].model;
+    EXPECT_TRUE(result.calibration.refined) << to_string(distortion);
+    EXPECT_LT(test::apart_px(truth, found.parameters()), 3) << to_string(distortion);
+  }
 }
 
 TEST(Refinement, ACameraThatSeesNothingStaysAsStatedAndHoldsUpNobody) {

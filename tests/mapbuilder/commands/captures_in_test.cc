@@ -90,10 +90,10 @@ TEST_F(CapturesIn, AMissingCaptureIsFoundBeforeTheFirstIsSearched) {
 TEST_F(CapturesIn, AFileIsAVideoAndNeedsRigAndMarkers) {
   const auto file = folder_.write("walk.avi", "no video");
   input_.paths = {make_capture("a"), file};
-  expect_failure(ErrorKind::usage, "walk.avi: a video needs both --rig and --markers");
+  expect_failure(ErrorKind::usage, "walk.avi: a video or a log needs both --rig and --markers");
   input_.paths = {file};
   input_.rig_yaml = folder_.write("rig.yaml", tiny_rig_yaml(1));
-  expect_failure(ErrorKind::usage, "walk.avi: a video needs both --rig and --markers");
+  expect_failure(ErrorKind::usage, "walk.avi: a video or a log needs both --rig and --markers");
   input_.markers_toml = folder_.write("markers.toml", tiny_markers_toml());
   expect_failure(ErrorKind::bad_data, "walk.avi: not a video");
 }

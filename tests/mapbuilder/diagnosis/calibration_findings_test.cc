@@ -27,7 +27,7 @@ struct BentLens {
     calibration().rigs_fitted.push_back({{camera_with(Distortion::radtan, 0.1)}});
     calibration().intrinsics_cost_ratio = 0.1;
     calibration().uncertainty.cameras.push_back({});
-    calibration().uncertainty.joint = 1e-6 * Eigen::MatrixXd::Identity(14, 14);
+    calibration().uncertainty.joint = 1e-6 * Eigen::MatrixXd::Identity(18, 18);
     Observation seen;
     seen.camera = CameraIndex(0);
     for (Eigen::Vector2d& corner : seen.corners_px) corner = seen_px;

@@ -17,7 +17,7 @@ struct Camera {
 };
 
 CameraParameters camera(int width, int height, double focal, Distortion distortion,
-                        const std::array<double, 4>& coefficients) {
+                        const LensCoefficients& coefficients) {
   CameraParameters p;
   p.width_px = width;
   p.height_px = height;

@@ -41,8 +41,8 @@ inline Rig rig_of(const RigKind& kind) {
     p.pv_px = 489 - 7 * k;
     p.distortion = kind.distortion;
     p.coefficients = kind.distortion == Distortion::equidistant
-                         ? std::array<double, 4>{0.03 + 0.002 * k, -0.01, 0.002, 0}
-                         : std::array<double, 4>{-0.11 - 0.004 * k, 0.02, 0.0005, -0.0004};
+                         ? LensCoefficients{0.03 + 0.002 * k, -0.01, 0.002, 0}
+                         : LensCoefficients{-0.11 - 0.004 * k, 0.02, 0.0005, -0.0004};
     const Eigen::Quaterniond turn = so3_exp({0, 0, kind.step_deg * k * std::numbers::pi / 180});
     rig.cameras.push_back(
         {"cam" + std::to_string(k),

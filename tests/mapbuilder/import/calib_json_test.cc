@@ -29,16 +29,22 @@ TEST(CalibJson, CameraMatrixInEveryForm) {
     EXPECT_EQ(calib.fv_px, 610);
     EXPECT_EQ(calib.pu_px, 320);
     EXPECT_EQ(calib.pv_px, 240);
-    EXPECT_THAT(calib.radtan, ElementsAre(0.1, -0.2, 1e-3, 2e-3));
+    EXPECT_EQ(calib.coefficients, (LensCoefficients{0.1, -0.2, 1e-3, 2e-3}));
     EXPECT_FALSE(calib.size_px);
   }
 }
 
 TEST(CalibJson, DistortionInEveryForm) {
   const std::string start = R"({"fx": 600, "fy": 610, "cx": 320, "cy": 240, )";
-  EXPECT_THAT(good(start + R"("distortion": [[0.1, 0.2, 0, 0, 0]]})").radtan,
-              ElementsAre(0.1, 0.2, 0, 0));
-  EXPECT_THAT(good(start + R"("dist": []})").radtan, ElementsAre(0, 0, 0, 0));
+  const auto lens_of = [&](const char* list) { return good(start + R"("dist": )" + list + "}"); };
+  EXPECT_EQ(good(start + R"("distortion": [[0.1, 0.2, 0, 0, 0]]})").distortion, Distortion::radtan);
+  EXPECT_EQ(lens_of("[[0.1, 0.2, 0, 0, 0]]").coefficients, (LensCoefficients{0.1, 0.2}));
+  EXPECT_EQ(lens_of("[]").coefficients, LensCoefficients{});
+  EXPECT_EQ(lens_of("[0.1, 0.2, 0, 0, 0.3]").distortion, Distortion::radtan5);
+  EXPECT_EQ(lens_of("[0.1, 0.2, 0, 0, 0.3]").coefficients, (LensCoefficients{0.1, 0.2, 0, 0, 0.3}));
+  EXPECT_EQ(lens_of("[1, 2, 3, 4, 5, 6, 7, 8, 0, 0]").distortion, Distortion::rational);
+  EXPECT_EQ(lens_of("[1, 2, 3, 4, 5, 6, 7, 8, 0, 0]").coefficients,
+            (LensCoefficients{1, 2, 3, 4, 5, 6, 7, 8}));
 }
 
 TEST(CalibJson, SizeWhenItIsStated) {
@@ -82,8 +88,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "camera matrix must be"},
         BadInput{"DistortionTooShort", "{" FOCAL R"(, "dist": [0.1, 0.2]})", "k1 k2 p1 p2"},
         BadInput{"DistortionAsText", "{" FOCAL R"(, "dist": "none"})", "k1 k2 p1 p2"},
-        BadInput{"ThirdRadialTerm", "{" FOCAL R"(, "dist": [0.1, 0.2, 0, 0, 0.3]})",
-                 "coefficient 5 is 0.3"},
+        BadInput{"ThinPrism", "{" FOCAL R"(, "dist": [0.1, 0.2, 0, 0, 0.3, 0, 0, 0, 0.1]})",
+                 "further ones must be 0"},
         BadInput{"NegativeWidth", "{" FOCAL R"(, "dist": [], "width": -640, "height": 480})",
                  "two whole numbers"},
         BadInput{"FractionalSize", "{" FOCAL R"(, "dist": [], "resolution": [640.5, 480]})",
