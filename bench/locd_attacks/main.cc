@@ -28,7 +28,8 @@ int main(int argc, char** argv) {
                                              static_cast<std::uint64_t>(seed), sets});
         figures.add(one);
         if (verbose) {
-          fmt::print("  seed {}: {}\n    {}\n    {}\n", seed, row_of(one), reasons_of(one), one.alerts);
+          fmt::print("  seed {}: {}\n    {}\n    {}\n", seed, row_of(one), reasons_of(one),
+                     one.alerts);
         }
       }
       fmt::print("{:<28} {:<6} {}\n", attack.name, rig, row_of(figures));

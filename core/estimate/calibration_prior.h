@@ -11,9 +11,10 @@
 namespace waymark {
 
 /// What is known, before a set, of the errors that it shares with every other: a mean, zero until
-/// something was learnt, with a covariance. Camera by camera the numbers of its calibration, then a factor for each stated size
-/// of print, then the map's modes z ~ N(0, I), of which its markers' errors are T z each
-/// (MapMarker::modes). Kept in units of usual sigmas, so that numbers of all kinds are alike.
+/// something was learnt, with a covariance. Camera by camera the numbers of its calibration, then a
+/// factor for each stated size of print, then the map's modes z ~ N(0, I), of which its markers'
+/// errors are T z each (MapMarker::modes). Kept in units of usual sigmas, so that numbers of all
+/// kinds are alike.
 class CalibrationPrior {
  public:
   /// Cameras by what the rig states or else by the defaults of rig_parameters.h. Prints are those

@@ -171,8 +171,7 @@ ConsiderPose::Left ConsiderPose::left_by(const ConsideredObservation& observatio
   columns.setZero();
   for (const Part& part : parts_of(observation)) {
     columns.middleRows(part.at, part.count) = j.middleCols(part.own, part.count).transpose();
-    left.residual.noalias() -=
-        j.middleCols(part.own, part.count) * x_.segment(part.at, part.count);
+    left.residual.noalias() -= j.middleCols(part.own, part.count) * x_.segment(part.at, part.count);
   }
   if (modes_ > 0) {
     columns.middleRows<kMapModes>(first_mode_) = observation.by_modes.transpose();

@@ -104,7 +104,7 @@ class ConsiderPose {
   Eigen::Index first_size_ = 0;     ///< where sizes begin in the system
   Eigen::Index first_mode_ = 0;
   Eigen::Index modes_ = 0;
-  Eigen::Index size_ = 0;  ///< of the system
+  Eigen::Index size_ = 0;        ///< of the system
   Eigen::MatrixXd hessian_;      ///< and its factor
   Eigen::MatrixXd information_;  ///< of the last solve, before it was factored
   Eigen::MatrixXd columns_;      ///< right-hand sides

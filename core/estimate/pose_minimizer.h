@@ -22,8 +22,8 @@ struct PoseOptimum {
 /// Inverse of a pose's Hessian; nullopt where it has none that could be told from rounding.
 [[nodiscard]] std::optional<Matrix6d> pose_covariance(const Matrix6d& hessian);
 
-/// Levenberg–Marquardt over one pose; `linearize(pose)` gives the PoseEquations there. Nullopt where
-/// `minimize` gives none.
+/// Levenberg–Marquardt over one pose; `linearize(pose)` gives the PoseEquations there. Nullopt
+/// where `minimize` gives none.
 template <typename Linearize, typename GivenUp = ToTheEnd>
 [[nodiscard]] std::optional<PoseOptimum> minimize_pose(const Rigid3& start, int max_iterations,
                                                        const Linearize& linearize,

@@ -155,9 +155,8 @@ std::optional<PoseOptimum> RigPoseSolver::refine(
 }
 
 bool RigPoseSolver::beside_known(const Rigid3& world_from_rig) const {
-  return std::any_of(optima_.begin(), optima_.end(), [&](const PoseOptimum& known) {
-    return same(known.pose, world_from_rig);
-  });
+  return std::any_of(optima_.begin(), optima_.end(),
+                     [&](const PoseOptimum& known) { return same(known.pose, world_from_rig); });
 }
 
 void RigPoseSolver::keep_optimum(const PoseOptimum& optimum) {
@@ -186,10 +185,9 @@ std::optional<RigPoseEstimate> RigPoseSolver::solve(
     });
     if (taken || beside_known(candidate.world_from_rig)) continue;
     starts_.push_back(candidate.world_from_rig);
-    const auto optimum =
-        refine(observations, starts_.back(), options_.loss, [&](const Rigid3& place) {
-          return options_.give_up_beside_known && beside_known(place);
-        });
+    const auto optimum = refine(
+        observations, starts_.back(), options_.loss,
+        [&](const Rigid3& place) { return options_.give_up_beside_known && beside_known(place); });
     if (optimum) keep_optimum(*optimum);
   }
   if (optima_.empty()) return std::nullopt;

@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 
 /// Products and Cholesky factors of matrices of up to some 500 rows, for programs that must not
-/// allocate: Eigen's own take memory for each. They use wider vector instructions where the processor
-/// has them, which Eigen, compiled for every processor, can't. The same bytes on every processor:
-/// no sum is taken in another order, no product rounded otherwise.
+/// allocate: Eigen's own take memory for each. They use wider vector instructions where the
+/// processor has them, which Eigen, compiled for every processor, can't. The same bytes on every
+/// processor: no sum is taken in another order, no product rounded otherwise.
 namespace waymark {
 
 using MatrixView = Eigen::Ref<Eigen::MatrixXd>;

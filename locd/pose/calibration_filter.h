@@ -20,8 +20,8 @@ class CalibrationFilter {
   /// The map must outlive it.
   CalibrationFilter(const CalibrationPrior& stated, const MapIndex& map);
 
-  /// Takes a block of evidence that ended at `stamp`. False: it was left out, for it is further from
-  /// what is known than its covariance allows (once in a thousand where all is well).
+  /// Takes a block of evidence that ended at `stamp`. False: it was left out, for it is further
+  /// from what is known than its covariance allows (once in a thousand where all is well).
   bool take(const Evidence::System& block, Stamp stamp);
 
   /// Forgets what was learnt.
@@ -42,8 +42,8 @@ class CalibrationFilter {
   };
   void walk(Stamp stamp);
   void take_roots(const Evidence::System& block);
-  /// Information and evidence of a block on what is learnt and on the modes, the markers' own errors
-  /// eliminated.
+  /// Information and evidence of a block on what is learnt and on the modes, the markers' own
+  /// errors eliminated.
   [[nodiscard]] bool reduce(const Evidence::System& block);
   [[nodiscard]] bool update();
   [[nodiscard]] bool within_reason() const;

@@ -137,8 +137,8 @@ void ErrorModel::make_rows(const Waiting& set, const Motion& motion, const Robus
                     known_.learnt.squared_time(camera, mean_row(o)) * shown * shown.transpose());
     if (!is_linear(*columns)) continue;
     rows_.push_back({o.map_index, camera, prior_.size_of(map_.marker(o.map_index)), *columns});
-    distance_m_ += (geometry.world_from_marker.translation - set.solution.world_from_rig.translation)
-                       .norm();
+    distance_m_ +=
+        (geometry.world_from_marker.translation - set.solution.world_from_rig.translation).norm();
   }
   distance_m_ /= static_cast<double>(std::max<std::size_t>(rows_.size(), 1));
 }
@@ -312,8 +312,7 @@ bool ErrorModel::contradicted_by_a_block(const Evidence& evidence, const Explana
          contradicted_by_block(evidence, newest + 1, what);
 }
 
-bool ErrorModel::contradicted_by_block(const Evidence& evidence, int age,
-                                       const Explanation& what) {
+bool ErrorModel::contradicted_by_block(const Evidence& evidence, int age, const Explanation& what) {
   evidence.block(age, system_);
   if (system_.sets < options_.sets_per_look / 2) return true;
   believe_quarantine();
@@ -342,8 +341,7 @@ void ErrorModel::judge_verdict(Stamp stamp, const Explanation& asked, std::vecto
   }
   const Score first = explanations_.scores().front();
   if (first.what == asked || first.gain < std::max(own->gain, 0.0) + options_.lead) return;
-  const bool sure =
-      nameable(first) && !contradicted_by_a_block(evidence_of_verdicts(), first.what);
+  const bool sure = nameable(first) && !contradicted_by_a_block(evidence_of_verdicts(), first.what);
   if (sure) take_back(stamp, asked, alerts);
 }
 

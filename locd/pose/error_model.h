@@ -140,7 +140,8 @@ class ErrorModel {
   CalibrationPrior prior_;  ///< as the calibration states
   KnownErrors known_;
   NoiseWatch noise_;
-  Evidence evidence_;     ///< without what suspects see: it is explained, and may change with the motion
+  Evidence
+      evidence_;  ///< without what suspects see: it is explained, and may change with the motion
   Evidence of_suspects_;  ///< with it, for the question whether they are so still
   Explanations explanations_;
   CalibrationFilter filter_;
@@ -156,7 +157,7 @@ class ErrorModel {
   int looks_ = 0;
   int looks_back_ = 0;
   bool look_due_ = false;
-  bool back_due_ = false;  ///< a verdict is to be asked again
+  bool back_due_ = false;             ///< a verdict is to be asked again
   std::optional<Question> question_;  ///< that is being answered
 };
 

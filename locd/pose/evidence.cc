@@ -91,10 +91,9 @@ void Evidence::add(const Rigid3& world_from_rig, std::span<const EvidenceRow> ro
   for (const EvidenceRow& row : rows) {
     const auto slot = slot_in(block, row.map_index);
     if (!slot) continue;
-    const std::array<Part, 3> parts{
-        {{CalibrationPrior::first_of(row.camera), kCalibration},
-         {first_size_ + static_cast<Eigen::Index>(row.size), 1},
-         {at_marker(*slot), 6}}};
+    const std::array<Part, 3> parts{{{CalibrationPrior::first_of(row.camera), kCalibration},
+                                     {first_size_ + static_cast<Eigen::Index>(row.size), 1},
+                                     {at_marker(*slot), 6}}};
     Eigen::Matrix<double, 8, kCalibration + 1 + 6> columns;
     columns << row.columns.by_camera * CalibrationPrior::units().asDiagonal(),
         row.columns.by_size * CalibrationPrior::kSizeUnit, row.columns.by_marker;
@@ -169,8 +168,7 @@ bool Evidence::add_block(const Block& block, System& system) const {
         block.information.block(0, from, calibration_, 6);
     for (std::size_t k = 0; k < block.markers.size(); ++k) {
       const Eigen::Index to_k = at_marker(*slot_in(system, block.markers[k]));
-      system.information.block<6, 6>(to, to_k) +=
-          block.information.block<6, 6>(from, at_marker(k));
+      system.information.block<6, 6>(to, to_k) += block.information.block<6, 6>(from, at_marker(k));
     }
   }
   for (std::size_t c = 0; c < cameras_; ++c) system.sets_of_camera[c] += block.sets_of_camera[c];

@@ -13,7 +13,7 @@ namespace waymark {
 struct EvidenceRow {
   std::size_t map_index = 0;
   std::size_t camera = 0;
-  std::size_t size = 0;    ///< of its marker, among CalibrationPrior's
+  std::size_t size = 0;  ///< of its marker, among CalibrationPrior's
   ErrorColumns columns;
 };
 
@@ -28,8 +28,8 @@ class Evidence {
   static constexpr int kSetsPerBlock = 8;
   /// Blocks that are kept for the longest question.
   static constexpr int kBlocks = 17;
-  /// Markers of a block, and those that are asked about at a time: of more the first seen in a block,
-  /// and as many of the newest blocks as hold no others.
+  /// Markers of a block, and those that are asked about at a time: of more the first seen in a
+  /// block, and as many of the newest blocks as hold no others.
   static constexpr std::size_t kMostMarkers = 48;
 
   /// `blocks`: how many are kept (2–kBlocks).

@@ -11,7 +11,7 @@ namespace waymark {
 namespace {
 
 constexpr std::array<AlertKind, 4> kKindsOfCamera{AlertKind::extrinsics_off, AlertKind::lens_off,
-                                                 AlertKind::stamps_skewed, AlertKind::readout_off};
+                                                  AlertKind::stamps_skewed, AlertKind::readout_off};
 constexpr double kMoved_m = 0.2;
 constexpr double kTurned_rad = 0.2;
 
@@ -83,8 +83,8 @@ bool Explanations::take_roots() {
   // Numbers, then modes, then what markers follow of the modes.
   auto shared = shared_root_.topRows(shared_);
   shared = prior_->covariance();
-  // What is wrong with a camera may be more than what was named, or change with the motion: it takes
-  // no part in poses, and nobody else is to explain what it sees.
+  // What is wrong with a camera may be more than what was named, or change with the motion: it
+  // takes no part in poses, and nobody else is to explain what it sees.
   for (const Explanation& e : believed_) {
     if (e.of_marker()) continue;
     const auto first = CalibrationPrior::first_of(static_cast<std::size_t>(e.camera));
@@ -255,8 +255,7 @@ void Explanations::score_all() {
     const int camera = static_cast<int>(c);
     for (const AlertKind kind : kKindsOfCamera) {
       // One camera alone is the rig, and its clock the vehicle's.
-      const bool of_several =
-          kind == AlertKind::extrinsics_off || kind == AlertKind::stamps_skewed;
+      const bool of_several = kind == AlertKind::extrinsics_off || kind == AlertKind::stamps_skewed;
       if (cameras_ > 1 || !of_several) score_camera(camera, kind);
     }
   }

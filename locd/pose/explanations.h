@@ -87,10 +87,10 @@ class Explanations {
   std::span<const Explanation> believed_;
   int step_ = kSteps;  ///< the next; kSteps: done
   std::vector<Score> scores_;
-  Eigen::Index numbers_ = 0;        ///< of cameras and sizes
-  Eigen::Index shared_ = 0;         ///< those and the modes
-  Eigen::Index size_ = 0;           ///< of all that is asked about
-  Eigen::Index freedoms_ = 0;       ///< of the prior
+  Eigen::Index numbers_ = 0;   ///< of cameras and sizes
+  Eigen::Index shared_ = 0;    ///< those and the modes
+  Eigen::Index size_ = 0;      ///< of all that is asked about
+  Eigen::Index freedoms_ = 0;  ///< of the prior
   // Each as large as it may become; the upper left part is used.
   Eigen::MatrixXd shared_root_;  ///< of the prior of cameras, sizes and modes, which markers follow
   std::vector<OwnRoot> own_roots_;

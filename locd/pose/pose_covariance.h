@@ -32,9 +32,10 @@ struct MotionStep {
 };
 [[nodiscard]] MotionStep motion_step(const MotionEvidence& evidence, const VelocityPrior& prior);
 
-/// What a pose's covariance lacks where neither the velocity nor the instants of a camera's rows are
-/// known: the error of the one times that of the other, which no linearization shows. By `known`
-/// and the velocity's covariance after the set. `observations[i]` belongs to `considered[i]`.
+/// What a pose's covariance lacks where neither the velocity nor the instants of a camera's rows
+/// are known: the error of the one times that of the other, which no linearization shows. By
+/// `known` and the velocity's covariance after the set. `observations[i]` belongs to
+/// `considered[i]`.
 [[nodiscard]] Matrix6d covariance_of_unknown_times(
     std::span<const SetObservation> observations, std::span<const ConsideredObservation> considered,
     const ConsiderPose& pose, const CalibrationPrior& known);

@@ -18,11 +18,11 @@ class RidingWatch {
   static constexpr double kPassed_m = 0.5;  ///< seen from the rig: a marker that passed by
   static constexpr double kStill_m = 0.05;  ///< one that stayed; and a share of its distance
   static constexpr double kStillShare = 0.03;
-  /// What a vehicle carries is nearer; from farther away a marker that hangs ahead seems to stay, for
-  /// its place is known to no better than others pass by.
+  /// What a vehicle carries is nearer; from farther away a marker that hangs ahead seems to stay,
+  /// for its place is known to no better than others pass by.
   static constexpr double kFarthest_m = 6;
-  static constexpr int kPassing = 3;        ///< different ones that passed by meanwhile
-  static constexpr int kStillSets = 15;     ///< in which it stayed
+  static constexpr int kPassing = 3;     ///< different ones that passed by meanwhile
+  static constexpr int kStillSets = 15;  ///< in which it stayed
 
   /// Map and solver must outlive it.
   RidingWatch(const MapIndex& map, const RigPoseSolver& solver);

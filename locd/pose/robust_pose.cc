@@ -92,8 +92,8 @@ std::optional<PoseSolution> RobustPose::solve(std::span<SetObservation> observat
   if (!map_.independent()) {
     solution.covariance += dependence_.of(observations, considered_, consider_);
   }
-  solution.covariance += covariance_of_unknown_times(observations, considered_, consider_,
-                                                     known.learnt);
+  solution.covariance +=
+      covariance_of_unknown_times(observations, considered_, consider_, known.learnt);
   solution.misfit = consider_.misfit();
   solution.freedoms = consider_.freedoms();
   whitening_.move_to_set_instant(observations, pose, solution.velocity);
@@ -220,7 +220,8 @@ bool RobustPose::tell_inliers(std::span<SetObservation> observations) {
       std::max(options_.inlier_sigmas * options_.inlier_sigmas, kFarBehind * worst);
   bool settled = true;
   for (SetObservation& o : observations) {
-    const bool inlier = o.sigmas_squared <= (o.inlier ? limit : options_.inlier_sigmas * options_.inlier_sigmas);
+    const bool inlier =
+        o.sigmas_squared <= (o.inlier ? limit : options_.inlier_sigmas * options_.inlier_sigmas);
     settled = settled && inlier == o.inlier;
     o.inlier = inlier;
   }

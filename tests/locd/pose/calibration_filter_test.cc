@@ -33,7 +33,8 @@ class Learnt : public testing::Test {
                                  {normal(), 0.6 * normal(), 5 + normal() / 2}};
     const auto x = marker_corners(o.size_m);
     const RigCamera& cam = rig_.cameras[camera];
-    for (std::size_t i = 0; i < 4; ++i) o.corners_px[i] = *cam.model.project(cam_from_marker * x[i]);
+    for (std::size_t i = 0; i < 4; ++i)
+      o.corners_px[i] = *cam.model.project(cam_from_marker * x[i]);
     EvidenceRow row{marker, camera, 0,
                     *error_columns(o,
                                    {&cam.model, cam.rig_from_cam.inverse(), Rigid3{},
@@ -114,7 +115,8 @@ TEST_F(Learnt, CalibrationsAreAsWrongAsTheirCovarianceSaysAndBetterThanStated) {
     }
     const Eigen::MatrixXd covariance = known.covariance().topLeftCorner(numbers, numbers);
     squared += error.dot(covariance.ldlt().solve(error));
-    stated += prior_.covariance().diagonal().segment(CalibrationPrior::first_of(1) + kFocal, 1).sum();
+    stated +=
+        prior_.covariance().diagonal().segment(CalibrationPrior::first_of(1) + kFocal, 1).sum();
     left += covariance.diagonal().segment(CalibrationPrior::first_of(1) + kFocal, 1).sum();
   }
   const double freedoms = static_cast<double>(numbers) * kTrials;

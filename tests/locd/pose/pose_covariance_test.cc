@@ -43,8 +43,8 @@ class UnknownTimes : public testing::Test {
         considered_.back().columns.whiten(0.01 * Matrix8d::Identity());
       }
     }
-    ASSERT_TRUE(pose_.solve(considered_, prior_,
-                            kVelocitySigma * kVelocitySigma * Matrix6d::Identity()));
+    ASSERT_TRUE(
+        pose_.solve(considered_, prior_, kVelocitySigma * kVelocitySigma * Matrix6d::Identity()));
   }
 
   Rig rig_ = timed_rig();
@@ -56,8 +56,7 @@ class UnknownTimes : public testing::Test {
 
 TEST_F(UnknownTimes, MoveThePoseByWhatTheMotionIsUnsureOf) {
   see(0);
-  const Matrix6d lacking =
-      covariance_of_unknown_times(observations_, considered_, pose_, prior_);
+  const Matrix6d lacking = covariance_of_unknown_times(observations_, considered_, pose_, prior_);
   const double sigma_s = std::sqrt(prior_.variances_of(0)[kStamp]);
   for (int i = 0; i < 6; ++i) {
     EXPECT_NEAR(std::sqrt(lacking(i, i)), sigma_s * kVelocitySigma, 0.1 * sigma_s * kVelocitySigma);
@@ -66,8 +65,7 @@ TEST_F(UnknownTimes, MoveThePoseByWhatTheMotionIsUnsureOf) {
 
 TEST_F(UnknownTimes, OfRowsGrowTowardsTheImagesEdge) {
   see(0.5);
-  const Matrix6d lacking =
-      covariance_of_unknown_times(observations_, considered_, pose_, prior_);
+  const Matrix6d lacking = covariance_of_unknown_times(observations_, considered_, pose_, prior_);
   const CalibrationVector v = prior_.variances_of(0);
   const double sigma_s = std::sqrt(v[kStamp] + 0.25 * v[kReadout]);
   EXPECT_NEAR(std::sqrt(lacking(3, 3)), sigma_s * kVelocitySigma, 0.1 * sigma_s * kVelocitySigma);

@@ -48,7 +48,8 @@ class Riding : public testing::Test {
     return o;
   }
   [[nodiscard]] SetObservation ahead(int number) const {
-    const Rigid3 cam_from_marker{so3_exp({M_PI, 0, 0}), {0.3 * (number % 3) - 0.3, 0.2, distance_m_}};
+    const Rigid3 cam_from_marker{so3_exp({M_PI, 0, 0}),
+                                 {0.3 * (number % 3) - 0.3, 0.2, distance_m_}};
     const auto x = marker_corners(map_.marker(0).size_m);
     ImageCorners corners;
     for (std::size_t i = 0; i < 4; ++i)
