@@ -197,7 +197,7 @@ bool ErrorModel::learn_calibration(Stamp stamp) {
   const long number = evidence_.number_of(kNewerBlocks);
   if (number <= learnt_block_) return false;
   learnt_block_ = number;
-  if (undecided()) return false;
+  if (undecided() || !options_.learns_calibration) return false;
   evidence_.block(kNewerBlocks, system_);
   static_cast<void>(filter_.take(system_, stamp));
   believe();

@@ -30,6 +30,7 @@ struct ErrorModelOptions {
   double camera_rad = 0.0052;  ///< likewise, 0.3° (0.001–0.2)
   int sets_per_look = 8;       ///< that count, between judgements (1–100)
   int fewest_views = 3;        ///< new ones of a marker that is named (2–100)
+  bool learns_calibration = true;
 
   /// usage, naming the first field that lies outside its range.
   [[nodiscard]] Status check() const;

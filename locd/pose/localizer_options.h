@@ -25,6 +25,8 @@ struct LocalizerOptions {
   /// Cameras that ran before the program did: see ImageHealthOptions. A capture's first images are
   /// as good as any.
   bool doubt_first_images = false;
+  /// What the calibration errs by, within what is stated, is learnt while the rig moves.
+  bool online_calibration = true;
   std::vector<Family> inverted;  ///< families that are printed white for black
   /// Look for markers where the prediction has them, and in the whole images by turns.
   bool guided = true;

@@ -29,6 +29,7 @@ class ConfigReader {
     for (const toml::table* camera : blocks.tables("camera")) read_camera(*camera);
     read_sync(blocks.table("sync"));
     read_solve(blocks.table("solve"));
+    read_calibration(blocks.table("calibration"));
     read_lcm(blocks.table("lcm"));
     read_record(blocks.table("record"));
     read_service(blocks.table("service"));
@@ -192,6 +193,12 @@ class ConfigReader {
       solve.w_max_dps = number(f, "w_max_dps", GateOptions::kWMax_degps, solve.w_max_dps);
       solve.prior_max_age_s =
           number(f, "prior_max_age_s", LocalizerOptions::kPriorMaxAge_s, solve.prior_max_age_s);
+    });
+  }
+
+  void read_calibration(const toml::table* table) {
+    in_block(table, [&](TomlFields& f) {
+      config_.calibration.online = f.boolean("online", config_.calibration.online);
     });
   }
 

@@ -66,6 +66,11 @@ struct Config {
     bool operator==(const Solve&) const = default;
   } solve;
 
+  struct Calibration {
+    bool online = true;  ///< what it errs by within what is stated is learnt while the vehicle drives
+    bool operator==(const Calibration&) const = default;
+  } calibration;
+
   LcmOptions lcm;
 
   struct Record {

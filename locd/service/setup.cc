@@ -212,6 +212,7 @@ LocalizerOptions localizer_options(const Setup& setup) {
   options.triggered = config.sync.triggered;
   options.doubt_first_images = true;
   options.prior_max_age_s = config.solve.prior_max_age_s;
+  options.online_calibration = config.calibration.online;
   options.gate.max_3sigma_m = config.solve.ok_sigma_m;
   options.gate.max_3sigma_rad = config.solve.ok_sigma_deg * kRadiansPerDegree;
   options.gate.max_protection_m = config.solve.ok_protection_m;

@@ -10,11 +10,12 @@ namespace {
 
 constexpr int kSets = 200;
 
-AttackFigures run(const std::string& name, const std::string& rig, std::uint64_t seed = 1) {
+AttackFigures run(const std::string& name, const std::string& rig, std::uint64_t seed = 1,
+                  int sets = kSets) {
   static const std::vector<Attack> kAll = all_attacks();
   const auto attack =
       std::find_if(kAll.begin(), kAll.end(), [&](const Attack& a) { return a.name == name; });
-  return run_attack(*attack, {seed % 2 == 1 ? "room1" : "warehouse", rig, seed, kSets});
+  return run_attack(*attack, {seed % 2 == 1 ? "room1" : "warehouse", rig, seed, sets});
 }
 
 double ok_share(const AttackFigures& figures) {
@@ -43,6 +44,42 @@ TEST(LocdAttacks, ACalibrationAsGoodAsTheyAreAccusesNobody) {
     EXPECT_GE(ok_share(figures), 0.85) << rig;
     EXPECT_LE(nees_of_6(figures), 4) << rig;
   }
+}
+
+TEST(LocdAttacks, WhatACalibrationErrsByIsLearntAndSigmasStayTrue) {
+  constexpr std::uint64_t kAisles = 2;
+  const AttackFigures figures =
+      run("calibration 0.05 deg 1 mm 0.1 % 0.5 px k1 0.005", "cg120", kAisles, 400);
+  expect_no_innocents(figures);
+  EXPECT_GE(ok_share(figures), 0.95);
+  EXPECT_LE(nees_of_6(figures), 2);
+}
+
+TEST(LocdAttacks, AReadOutThatNobodyStatedIsLearnt) {
+  constexpr std::uint64_t kAisles = 2;
+  const AttackFigures figures = run("read-out of 10 ms undeclared", "cg120", kAisles, 400);
+  expect_no_innocents(figures);
+  EXPECT_GE(ok_share(figures), 0.85);
+  EXPECT_LE(nees_of_6(figures), 2);
+}
+
+TEST(LocdAttacks, ALateCameraIsNamedAndTheOthersGoOn) {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const AttackFigures figures = run("one camera 20 ms late", "cg120", seed);
+    expect_no_innocents(figures);
+    ASSERT_EQ(figures.named_after.size(), 1U) << figures.alerts;
+    EXPECT_LE(figures.named_after[0], 100);
+    EXPECT_GE(ok_share(figures), 0.6) << reasons_of(figures);
+  }
+}
+
+TEST(LocdAttacks, ACameraIsNamedHoweverManyMarkersWereSeenBefore) {
+  constexpr std::uint64_t kAisles = 2;
+  const AttackFigures figures = run("camera knocked by 1-2 deg at 100", "cg60", kAisles, 400);
+  expect_no_innocents(figures);
+  ASSERT_EQ(figures.named_after.size(), 1U) << figures.alerts;
+  EXPECT_LE(figures.named_after[0], 100);
+  EXPECT_GE(ok_share(figures), 0.7) << reasons_of(figures);
 }
 
 TEST(LocdAttacks, AMapByHandAccusesNobody) {

@@ -77,6 +77,8 @@ ok_protection_deg = 3
 v_max_mps = 2
 w_max_dps = 60
 prior_max_age_s = 0.5
+[calibration]
+online = false
 [lcm]
 url = "udpm://239.1.2.3:7777?ttl=1"
 channel_prefix = "CART7"
@@ -116,6 +118,7 @@ lock_memory = true
   EXPECT_EQ(config->cameras[1].driver, CameraDriver::libcamera);
   EXPECT_EQ(config->sync, (Config::Sync{false, 20000, 40, 2}));
   EXPECT_EQ(config->solve, (Config::Solve{90, 0.01, 0.2, 0.15, 3, 2, 60, 0.5}));
+  EXPECT_FALSE(config->calibration.online);
   EXPECT_EQ(config->lcm, (LcmOptions{"udpm://239.1.2.3:7777?ttl=1", "CART7", true, ""}));
   EXPECT_EQ(config->record, (Config::Record{"/data", true, 3, 5'000'000'000, 3600, 2'000'000'000,
                                             "/maps/markers.toml"}));
