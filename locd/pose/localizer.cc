@@ -157,7 +157,7 @@ void Localizer::Implementation::watch(const PoseSolution& solution, PoseEstimate
   // A camera that stands elsewhere makes the pose jump between what it and what the others show.
   const CameraMask swapped_before = swap_watch.suspects();
   const auto told = static_cast<std::ptrdiff_t>(alerts.size());
-  swap_watch.update(estimate.stamp, all, alerts);
+  swap_watch.update(estimate.stamp, solution.world_from_rig, all, alerts);
   const auto of_swaps = static_cast<std::ptrdiff_t>(alerts.size());
   error_model.end_verdicts(estimate.stamp, swap_watch.suspects() & ~swapped_before, alerts);
   // What was said of them is over before the swap is told.

@@ -35,15 +35,15 @@ SwapWatch::SwapWatch(const Rig& rig, const MapIndex& map, const SwapWatchOptions
     : map_(map), options_(options), cameras_(rig.cameras.size()), solver_(rig, solver_options()) {
   WAYMARK_CHECK(options.check().has_value());
   for (std::size_t a = 0; a < cameras_; ++a) {
-    for (std::size_t b = a + 1; b < cameras_; ++b) pairs_.push_back({a, b, 0});
+    for (std::size_t b = a + 1; b < cameras_; ++b) pairs_.push_back({a, b, 0, std::nullopt});
   }
   scratch_.reserve(kMaxObservations);
   fixed_.reserve(kMaxObservations);
   solver_.reserve(kMaxObservations);
 }
 
-void SwapWatch::update(Stamp stamp, std::span<const SetObservation> observations,
-                       std::vector<Alert>& alerts) {
+void SwapWatch::update(Stamp stamp, const Rigid3& world_from_rig,
+                       std::span<const SetObservation> observations, std::vector<Alert>& alerts) {
   for (Record& record : records_) record.markers = record.inliers = 0;
   for (const SetObservation& o : observations) {
     Record& record = records_[static_cast<std::size_t>(o.observation.camera)];
@@ -68,7 +68,11 @@ void SwapWatch::update(Stamp stamp, std::span<const SetObservation> observations
   if (!coherent) {
     look_for_swap(stamp, observations, alerts);
   } else if (pairs_of_markers >= 2) {
-    for (CameraPair& pair : pairs_) pair.sets = std::max(pair.sets - 1, 0);
+    last_coherent_ = {stamp, world_from_rig.rotation};
+    for (CameraPair& pair : pairs_) {
+      pair.sets = std::max(pair.sets - 1, 0);
+      pair.last.reset();
+    }
   }
 }
 
@@ -118,10 +122,12 @@ void SwapWatch::look_for_swap(Stamp stamp, std::span<const SetObservation> obser
     asked_pair_ = (asked_pair_ + 1) % pairs_.size();
   }
   CameraPair& pair = pairs_[asked_pair_];
-  if (!coherent_when_swapped(observations, pair.a, pair.b)) {
+  const auto rotation = explained_by_swap(observations, pair.a, pair.b);
+  if (!rotation || !can_have_turned(pair, {stamp, *rotation})) {
     asked_pair_ = (asked_pair_ + 1) % pairs_.size();
     return;
   }
+  pair.last = {stamp, *rotation};
   if (++pair.sets < options_.swap_sets) return;
   pair.sets = 0;
   records_[pair.a].partner = pair.b;
@@ -129,8 +135,22 @@ void SwapWatch::look_for_swap(Stamp stamp, std::span<const SetObservation> obser
   tell(stamp, pair.a, true, alerts);
 }
 
-bool SwapWatch::coherent_when_swapped(std::span<const SetObservation> observations, std::size_t a,
-                                      std::size_t b) {
+/// In a ring of cameras one swap looks like another one, seen from a rig that is turned by a
+/// camera's place: a rig that was known a moment ago can't have turned so far.
+bool SwapWatch::can_have_turned(const CameraPair& pair, const Turned& now) const {
+  constexpr double kAtOnce_rad = 0.35;
+  constexpr double kFastest_radps = 2.1;
+  constexpr double kRemembered_s = 0.8;  // then it may have turned by a third of a circle
+  const std::optional<Turned>& before = pair.last ? pair.last : last_coherent_;
+  if (!before) return true;
+  const double elapsed_s = in_s(now.stamp - before->stamp);
+  if (elapsed_s > kRemembered_s) return true;
+  return angle_between_rad(before->world_from_rig, now.world_from_rig) <=
+         kAtOnce_rad + kFastest_radps * elapsed_s;
+}
+
+std::optional<Eigen::Quaterniond> SwapWatch::explained_by_swap(
+    std::span<const SetObservation> observations, std::size_t a, std::size_t b) {
   scratch_.clear();
   fixed_.clear();
   for (const SetObservation& o : observations) {
@@ -142,7 +162,7 @@ bool SwapWatch::coherent_when_swapped(std::span<const SetObservation> observatio
     fixed_.push_back({&own, map_.marker(o.map_index).world_from_marker});
   }
   const auto estimate = solver_.solve(fixed_);
-  if (!estimate || estimate->ambiguous) return false;
+  if (!estimate || estimate->ambiguous) return std::nullopt;
   const Rigid3 rig_from_world = estimate->best.pose.inverse();
   int inliers = 0;
   for (const FixedMarkerObservation& fixed : fixed_) {
@@ -152,7 +172,8 @@ bool SwapWatch::coherent_when_swapped(std::span<const SetObservation> observatio
                          solver_.cam_from_rig(camera) * (rig_from_world * fixed.world_from_marker));
     inliers += s <= kInlierSigmas2 ? 1 : 0;
   }
-  return inliers >= options_.coherent_share * static_cast<double>(fixed_.size());
+  if (inliers < options_.coherent_share * static_cast<double>(fixed_.size())) return std::nullopt;
+  return estimate->best.pose.rotation;
 }
 
 void SwapWatch::tell(Stamp stamp, std::size_t camera, bool raised, std::vector<Alert>& alerts) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -31,9 +32,9 @@ class SwapWatch {
   /// The options are valid (checked).
   SwapWatch(const Rig& rig, const MapIndex& map, const SwapWatchOptions& options = {});
 
-  /// One set: its observations with residuals at its pose.
-  void update(Stamp stamp, std::span<const SetObservation> observations,
-              std::vector<Alert>& alerts);
+  /// One set: its pose, its observations with residuals there.
+  void update(Stamp stamp, const Rigid3& world_from_rig,
+              std::span<const SetObservation> observations, std::vector<Alert>& alerts);
 
   /// Cameras whose outliers are due to their markers, not to the camera itself.
   [[nodiscard]] CameraMask trusted() const;
@@ -49,17 +50,25 @@ class SwapWatch {
     std::size_t partner = 0;
     int right_sets = 0;  ///< since it was named, in which it agrees with another
   };
+  struct Turned {  ///< how the rig stood
+    Stamp stamp{0};
+    Eigen::Quaterniond world_from_rig = Eigen::Quaterniond::Identity();
+  };
   struct CameraPair {
     std::size_t a = 0;
     std::size_t b = 0;
-    int sets = 0;  ///< that only their swap explains
+    int sets = 0;                ///< that only their swap explains
+    std::optional<Turned> last;  ///< in the last of them
   };
   void look_for_swaps_that_ended(Stamp stamp, bool coherent, std::vector<Alert>& alerts);
   [[nodiscard]] bool may_be_swapped(const CameraPair& pair) const;
   void look_for_swap(Stamp stamp, std::span<const SetObservation> observations,
                      std::vector<Alert>& alerts);
-  [[nodiscard]] bool coherent_when_swapped(std::span<const SetObservation> observations,
-                                           std::size_t a, std::size_t b);
+  /// The rig's rotation when they are; nullopt: that does not explain the set.
+  [[nodiscard]] std::optional<Eigen::Quaterniond> explained_by_swap(
+      std::span<const SetObservation> observations, std::size_t a, std::size_t b);
+  /// Whether the rig may have turned so far since it was last known how it stood.
+  [[nodiscard]] bool can_have_turned(const CameraPair& pair, const Turned& now) const;
   void tell(Stamp stamp, std::size_t camera, bool raised, std::vector<Alert>& alerts);
 
   const MapIndex& map_;
@@ -68,6 +77,7 @@ class SwapWatch {
   RigPoseSolver solver_;
   std::array<Record, kMaxCameras> records_;
   std::vector<CameraPair> pairs_;
+  std::optional<Turned> last_coherent_;
   std::size_t asked_pair_ = 0;  ///< the next set is asked about it
   std::vector<MarkerObservation> scratch_;
   std::vector<FixedMarkerObservation> fixed_;

@@ -73,6 +73,15 @@ TEST(LocdAttacks, ALateCameraIsNamedAndTheOthersGoOn) {
   }
 }
 
+TEST(LocdAttacks, ASwapInARingIsNotTakenForAnotherOne) {
+  for (const std::uint64_t seed : {1U, 2U}) {
+    const AttackFigures figures =
+        run("two cameras swapped, right again at 600", "cg120", seed, 300);
+    expect_no_innocents(figures);
+    EXPECT_EQ(figures.named_after.size(), 1U) << figures.alerts;
+  }
+}
+
 TEST(LocdAttacks, ACameraIsNamedHoweverManyMarkersWereSeenBefore) {
   constexpr std::uint64_t kAisles = 2;
   const AttackFigures figures = run("camera knocked by 1-2 deg at 100", "cg60", kAisles, 400);
