@@ -14,27 +14,30 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-constexpr ImageCorners kTrue{{{100, 100}, {140, 104}, {138, 146}, {98, 139}}};
+/// Where the corners truly are.
+ImageCorners true_corners() {
+  return {Eigen::Vector2d(100, 100), {140, 104}, {138, 146}, {98, 139}};
+}
 
 /// Corners of cam1 as they are written moved outward by some and read beside a rig file that states
 /// another bias, or none.
 class EdgeMoves : public test::CsvOfTwoCameras {
  protected:
-  /// Text whose corners are those at kTrue moved outward by `px`.
+  /// Text whose corners are the true ones moved outward by `px`.
   std::string written(double px, const std::vector<EdgeMove>& moves) const {
     std::vector<ImageDetections> images(1);
     images[0].stamp = Stamp(5);
     images[0].camera = 1;
     Detection& detection = images[0].detections.emplace_back();
     detection.marker = {Family::tag36h11, 3};
-    detection.corners = kTrue;
+    detection.corners = true_corners();
     move_sides_in(-px, detection.corners);
     return format_detections_csv(images, rig_, catalog_, "waymark-2-own", moves);
   }
 
-  /// How far outward of kTrue the sides of the only detection lie.
+  /// How far outward of the true corners the sides of the only detection lie.
   static double moved_px(const DetectionsTable& table) {
-    return -inset_px(table.images.at(0).detections.at(0).corners, kTrue);
+    return -inset_px(table.images.at(0).detections.at(0).corners, true_corners());
   }
 };
 
