@@ -77,6 +77,7 @@ TEST_F(EdgeMoves, WhatWasMeasuredStaysUnlessTheRigContradictsIt) {
     EXPECT_THAT(table.error().message, HasSubstr("stale: cam1"));
     EXPECT_THAT(table.error().message, HasSubstr("detect again"));
   }
+  rig_.cameras[1].edge_bias_px = 0;
   rig_.cameras[1].stated_sigmas.edge_px = 0.2;
   EXPECT_TRUE(read(text)) << "a bias that is as unsure as that contradicts nothing";
 }
