@@ -61,7 +61,7 @@ TEST(MapRigNotes, TellOfAnotherCalibration) {
 TEST(MapRigNotes, TellOfWhatIsNotUsedAndNotKnown) {
   MarkerMap map = map_with_edges(0.2);
   map.submaps.emplace_back();
-  map.submaps.front().markers.emplace_back();
+  map.submaps.front().markers.emplace_back().covariance = unknown_covariance();
   Rig silent = unsure_rig();
   for (RigCamera& camera : silent.cameras) camera.stated_sigmas = {};
   EXPECT_THAT(told(map, silent).notes,

@@ -215,7 +215,7 @@ MarkerMap map_with_edges(const test::SyntheticRoom& room, double sigma_px) {
   submap.parameter_covariance = all.covariance;
   for (Eigen::Index i = 0; i < all.count(); ++i) {
     const ConsiderParameter& one = all.all[static_cast<std::size_t>(i)];
-    submap.parameters.push_back({name_of(one, rigs), "", {}});
+    submap.parameters.emplace_back().name = name_of(one, rigs);
     if (one.is_size() || one.of_rig.quantity != CameraQuantity::edge) continue;
     submap.parameter_covariance.row(i).setZero();
     submap.parameter_covariance.col(i).setZero();
@@ -227,7 +227,8 @@ MarkerMap map_with_edges(const test::SyntheticRoom& room, double sigma_px) {
 // Images of a webcam show its edges up to 0.4 px inside the black.
 TEST_F(ReplayCommand, MeasuredEdgesThatTheRigFileLacksAreWarnedOfAndPosesContainThem) {
   for (RigCamera& camera : room_.rig.cameras) camera.stated_sigmas = {};
-  ASSERT_TRUE(write_map_file(folder_.path() / "room.map", map_with_edges(room_, 0.005)));
+  const auto written = write_map_file(folder_.path() / "room.map", map_with_edges(room_, 0.005));
+  ASSERT_TRUE(written) << written.error().message;
   for (const double inside_px : {0.0, 0.2, 0.354, 0.4}) {
     test::SyntheticRoom seen = room_;
     for (ImageDetections& image : seen.images) {

@@ -143,7 +143,9 @@ TEST_F(PrintedMarkers, WhatMarkersTomlStatesAsInvertedIsNotPrintedTheOtherWay) {
     folder_.write("markers.toml", toml + (inverted ? "inverted = true\n" : "inverted = false\n"));
     const auto printed = print({{"tag36h11"}, {"17"}, {0.16}, "a4", {}});
     EXPECT_EQ(printed.has_value(), !inverted);
-    if (!printed) EXPECT_EQ(printed.error().kind, ErrorKind::bad_data);
+    if (!printed) {
+      EXPECT_EQ(printed.error().kind, ErrorKind::bad_data);
+    }
     EXPECT_EQ(std::filesystem::exists(folder_.path() / "markers.pdf"), !inverted);
   }
 }

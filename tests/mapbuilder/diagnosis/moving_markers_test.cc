@@ -121,7 +121,9 @@ TEST_F(MovingMarkers, TwoMarkersThatAreStatedToMoveTogetherAreAGroup) {
       groups += finding.cause == Cause::moving_group ? 1 : 0;
     }
     EXPECT_EQ(groups, stated ? 1U : 0U) << titles();
-    if (stated) EXPECT_EQ(build_.findings.size(), 1U) << titles();
+    if (stated) {
+      EXPECT_EQ(build_.findings.size(), 1U) << titles();
+    }
     EXPECT_LT(worst_distance_m(room, {kBoardId, kBoardId + 1}), 0.01);
   }
 }
