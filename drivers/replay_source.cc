@@ -7,6 +7,7 @@
 #include "core/base/check.h"
 #include "core/base/median.h"
 #include "core/capture/detections_csv.h"
+#include "core/capture/edge_moves.h"
 #include "core/capture/image_file.h"
 #include "core/capture/stamp_doubt.h"
 #include "core/capture/sync_tolerance.h"
@@ -180,6 +181,7 @@ Expected<std::shared_ptr<ReplayCapture>> ReplayCapture::open(const std::filesyst
     auto table = read_detections_csv(*capture->folder_.detections_csv, capture->folder_.rig,
                                      capture->folder_.catalog, capture->folder_.monotonic);
     if (!table) return tl::make_unexpected(table.error());
+    static_cast<void>(widen_for_unknown_moves(*table, capture->folder_.rig));
     capture->detections_ = std::move(table->images);
   }
   if (auto filled = capture->fill_time_line(); !filled) {

@@ -50,7 +50,7 @@ std::optional<SigmaSource> sigma_source_from(std::string_view name) {
 CameraSigmas default_sigmas(SigmaSource source, std::optional<double> readout_s,
                             const SigmaCircumstances& circumstances) {
   CameraSigmas sigmas = calibrated_sigmas(source);
-  sigmas.edge_px = circumstances.linear_own_corners ? 0.02 : 0.2;
+  sigmas.edge_px = 0.2;
   sigmas.stamp_s = circumstances.triggered ? 2e-5 : 1e-3;
   sigmas.readout_s = readout_s ? kReadoutShare * *readout_s : kUnknownReadout_s;
   return sigmas;

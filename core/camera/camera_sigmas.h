@@ -39,8 +39,6 @@ using CameraSigmas = SigmasOf<double>;
 /// What tells how large sigmas are beside the rig file.
 struct SigmaCircumstances {
   bool triggered = false;  ///< one hardware trigger exposes all cameras
-  /// Corners are those of our own detector, in images of a sensor whose values are linear in light.
-  bool linear_own_corners = false;
 };
 
 /// The documented defaults (docs/conventions.md) of a camera whose calibration is of `source` and

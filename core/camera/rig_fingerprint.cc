@@ -1,11 +1,19 @@
 #include "core/camera/rig_fingerprint.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 
 #include "core/base/fingerprint.h"
 #include "core/camera/lens_kind.h"
 
 namespace waymark {
+namespace {
+
+/// What writing, inverting and chaining transforms leaves in the last bits is no other calibration.
+std::int64_t rounded(double value) { return std::llround(1e9 * value); }
+
+}  // namespace
 
 std::string fingerprint(const Rig& rig) {
   Fingerprint hash;
@@ -19,8 +27,9 @@ std::string fingerprint(const Rig& rig) {
     hash.add(std::int64_t{p.width_px});
     hash.add(std::int64_t{p.height_px});
     if (p.valid_radius_px) hash.add(*p.valid_radius_px);
-    hash.add(std::span<const double>(camera.rig_from_cam.rotation.coeffs().data(), 4));
-    hash.add(std::span<const double>(camera.rig_from_cam.translation.data(), 3));
+    const Eigen::Matrix3d rotation = camera.rig_from_cam.rotation.toRotationMatrix();
+    for (const double value : rotation.reshaped()) hash.add(rounded(value));
+    for (const double value : camera.rig_from_cam.translation) hash.add(rounded(value));
   }
   return hash.hexadecimal();
 }

@@ -130,6 +130,25 @@ Eigen::MatrixXd rig_covariance(const Rig& rig, const SigmaCircumstances& circums
   return covariance;
 }
 
+void state_sigma(std::size_t camera, CameraQuantity quantity, double sigma, Rig& rig) {
+  RigCamera& one = rig.cameras[camera];
+  one.stated_sigmas.*field_of<std::optional<double>>(quantity) = sigma;
+  if (!rig.joint_sigmas) return;
+  const std::vector<RigParameter> parameters = rig_parameters(rig);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (parameters[i].camera != camera || parameters[i].quantity != quantity) continue;
+    const auto at = static_cast<Eigen::Index>(i);
+    rig.joint_sigmas->row(at).setZero();
+    rig.joint_sigmas->col(at).setZero();
+    (*rig.joint_sigmas)(at, at) = sigma * sigma;
+  }
+}
+
+void drop_unfit_joint_sigmas(Rig& rig) {
+  const auto count = static_cast<Eigen::Index>(rig_parameters(rig).size());
+  if (rig.joint_sigmas && rig.joint_sigmas->rows() != count) rig.joint_sigmas.reset();
+}
+
 Rig single_camera_rig(const Rig& rig, std::size_t camera) {
   Rig single;
   single.cameras.push_back(rig.cameras[camera]);

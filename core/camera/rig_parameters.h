@@ -48,6 +48,14 @@ struct RigParameter {
 /// one printer.
 inline constexpr double kCommonShare = 0.5;
 
+/// States what was measured of one camera: the sigma of a quantity, of every axis of it. Joint
+/// sigmas then say the same: what was measured anew errs independently of all else.
+void state_sigma(std::size_t camera, CameraQuantity quantity, double sigma, Rig& rig);
+
+/// Drops joint sigmas that are of other parameters than the rig has now: a lens that was stated
+/// without distortion may have some since.
+void drop_unfit_joint_sigmas(Rig& rig);
+
 /// The rig that a camera alone is, its own frame; joint sigmas are those of its numbers in `rig`.
 [[nodiscard]] Rig single_camera_rig(const Rig& rig, std::size_t camera);
 

@@ -9,7 +9,7 @@
 #include "core/base/line_reader.h"
 #include "core/base/text_field.h"
 #include "core/capture/detections_csv_columns.h"
-#include "core/capture/edge_line.h"
+#include "core/capture/edge_moves.h"
 #include "core/capture/foreign_csv.h"
 
 namespace waymark {
@@ -98,6 +98,9 @@ class Reader {
     if (const auto doubt = doubt_of_table(table, orders_, monotonic)) {
       return fail(doubt->cause, "{}: {}", name_, doubt->text);
     }
+    if (auto moved = move_edges_on(rig_, catalog_, name_, table); !moved) {
+      return tl::make_unexpected(moved.error());
+    }
     return table;
   }
 
@@ -164,12 +167,13 @@ class Reader {
   Status read_edge_line(std::string_view line, DetectionsTable& table) const {
     const auto read = parse_edge_line(line);
     if (!read)
-      return bad_row("{} is not \"{}CAMERA bias_px=… sigma_px=… response=…\"",
+      return bad_row("{} is neither \"{}CAMERA bias_px=… sigma_px=… response=…\" nor moved_px=…",
                      line.substr(0, kQuotedHeader), kEdgeLinePrefix);
     for (std::size_t c = 0; c < rig_.cameras.size(); ++c) {
       if (rig_.cameras[c].name != read->camera) continue;
-      table.edges.resize(rig_.cameras.size());
-      table.edges[c] = read->edges;
+      table.moves.resize(rig_.cameras.size());
+      if (table.moves[c]) return bad_row("a second line on the edges of {}", read->camera);
+      table.moves[c] = read->move;
       return {};
     }
     return bad_row("camera \"{}\" is not in rig.yaml", read->camera);

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "core/base/error.h"
-#include "core/camera/edge_measurement.h"
 #include "core/camera/rig.h"
 #include "core/capture/detection.h"
+#include "core/capture/edge_line.h"
 #include "core/marker/marker_catalog.h"
 
 namespace waymark {
@@ -19,8 +19,9 @@ struct DetectionsTable {
   std::vector<ImageDetections> images;
   std::string detector;             ///< from our own first line, empty otherwise
   std::string markers_fingerprint;  ///< likewise
-  /// By how much each camera's corners were moved outward, by edge_line; empty where none was.
-  std::vector<std::optional<EdgeMeasurement>> edges;
+  /// By how much each camera's corners were moved outward before they were written; nullopt, or
+  /// empty, where the file does not say.
+  std::vector<std::optional<EdgeMove>> moves;
   int unknown_markers = 0;           ///< rows whose marker the catalog ignores or lacks; left out
   std::map<MarkerId, int> unlisted;  ///< of these, those that it lacks: rows of each
   /// Rows whose corners do not run clockwise in the image, as top-left, top-right, bottom-right,
@@ -36,7 +37,9 @@ struct DetectionsTable {
 /// are NaN or beyond ±1e6 px, a covariance that is not positive definite, a line of more than
 /// 64 KiB or 64 columns; for a file as other programs write it, whose error says so (foreign_csv,
 /// doubt_of_stamps); for a sparse one and one beyond 4 GiB; and when mapbuilder wrote the file for
-/// other markers than `catalog` (stale). no_input when absent. `monotonic` as for doubt_of_stamps.
+/// other markers than `catalog`, or with measured edges that rig.yaml contradicts (stale). Corners
+/// are as the rig's `edge_bias_px` has them (move_edges_on). no_input when absent. `monotonic` as
+/// for doubt_of_stamps.
 [[nodiscard]] Expected<DetectionsTable> read_detections_csv(const std::filesystem::path& path,
                                                             const Rig& rig,
                                                             const MarkerCatalog& catalog,

@@ -7,7 +7,6 @@
 
 #include "core/base/check.h"
 #include "core/capture/detections_csv_columns.h"
-#include "core/capture/edge_line.h"
 
 namespace waymark {
 namespace {
@@ -27,22 +26,22 @@ bool every_detection_has_covariances(const std::vector<ImageDetections>& images)
 
 std::string format_detections_csv(const std::vector<ImageDetections>& images, const Rig& rig,
                                   const MarkerCatalog& catalog, const std::string& detector,
-                                  const std::vector<std::optional<EdgeMeasurement>>& edges) {
+                                  const std::vector<EdgeMove>& moves) {
   const bool with_covariances = every_detection_has_covariances(images);
-  std::string text;
-  for (std::size_t c = 0; c < edges.size(); ++c) {
-    if (edges[c]) text += edge_line(rig.cameras.at(c).name, *edges[c]) + '\n';
-  }
-  text += detections_csv_head(catalog, detector, with_covariances);
+  std::string text = detections_csv_head(catalog, detector, with_covariances, rig, moves);
   append_detections_csv_rows(images, rig, catalog.several_families(), with_covariances, text);
   return text;
 }
 
 std::string detections_csv_head(const MarkerCatalog& catalog, const std::string& detector,
-                                bool with_covariances) {
-  return fmt::format("{}{}{}{}\n", kOwnLinePrefix, detector, kFingerprintKey,
-                     catalog.fingerprint()) +
-         detections_csv_columns(with_covariances);
+                                bool with_covariances, const Rig& rig,
+                                const std::vector<EdgeMove>& moves) {
+  std::string text =
+      fmt::format("{}{}{}{}\n", kOwnLinePrefix, detector, kFingerprintKey, catalog.fingerprint());
+  for (std::size_t c = 0; c < moves.size(); ++c) {
+    text += edge_line(rig.cameras.at(c).name, moves[c]) + '\n';
+  }
+  return text + detections_csv_columns(with_covariances);
 }
 
 std::string detections_csv_columns(bool with_covariances) {

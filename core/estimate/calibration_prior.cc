@@ -62,6 +62,12 @@ std::optional<Eigen::Index> find(const SubMap& map, const ConsiderParameter& par
   return found - map.parameters.begin();
 }
 
+/// Whether the map's variance of an error says that something told it of more than the rig knows.
+bool knows_better(const SubMap& map, Eigen::Index in_map, double variance) {
+  constexpr double kSurer = 0.4;
+  return map.parameter_covariance(in_map, in_map) < kSurer * kSurer * variance;
+}
+
 /// One number, and where it stands.
 struct Number {
   Eigen::Index at = 0;
@@ -94,6 +100,11 @@ CalibrationPrior::CalibrationPrior(const Rig& rig, const SigmaCircumstances& cir
       const Eigen::Index place = place_of(one.of_rig);
       number = {first_of(one.of_rig.camera) + place, units()[place], std::nullopt};
       if (same_calibration) number.in_map = find(map, one, rig);
+      const auto i = static_cast<Eigen::Index>(numbers.size()) - 1;
+      if (one.of_rig.quantity == CameraQuantity::edge && number.in_map &&
+          knows_better(map, *number.in_map, own.covariance(i, i))) {
+        number.in_map.reset();
+      }
     }
   }
   const Eigen::Index count = at_size(sizes_m_.size());
@@ -157,6 +168,15 @@ bool is_calibration_of(const SubMap& map, const std::string& rig_fingerprint, co
     return at && map.parameters[static_cast<std::size_t>(*at)].serial ==
                      rig.cameras[one.camera].serial.substr(0, kMaxSerialText);
   });
+}
+
+bool knows_edges_better(const SubMap& map, const Rig& rig, std::size_t camera) {
+  const RigParameter edge{camera, CameraQuantity::edge, 0};
+  const auto in_map = find(map, {0, edge, 0}, rig);
+  if (!in_map) return false;
+  const std::vector<RigParameter> parameters = rig_parameters(rig);
+  const auto i = std::find(parameters.begin(), parameters.end(), edge) - parameters.begin();
+  return knows_better(map, *in_map, rig_covariance(rig)(i, i));
 }
 
 void state_exact_sizes(SubMap& map) {

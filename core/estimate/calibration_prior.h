@@ -20,7 +20,8 @@ class CalibrationPrior {
   /// Cameras by what the rig states or else by the defaults of rig_parameters.h. Prints are those
   /// that the map was made of: their errors are its own, and so is what its markers err by with
   /// them. Where `same_calibration` (is_calibration_of) that holds of the cameras, too: their
-  /// covariance is then what the map left of it. Otherwise rig and map err independently.
+  /// covariance is then what the map left of it, but for edges that the map knows better
+  /// (knows_edges_better). Otherwise rig and map err independently.
   CalibrationPrior(const Rig& rig, const SigmaCircumstances& circumstances, const SubMap& map,
                    bool same_calibration);
 
@@ -83,6 +84,11 @@ class CalibrationPrior {
 /// considered the rig's numbers, and every serial is the same. In doubt it was not.
 [[nodiscard]] bool is_calibration_of(const SubMap& map, const std::string& rig_fingerprint,
                                      const Rig& rig);
+
+/// Whether the map is more than twice as sure of a camera's edges as the rig is: images told them
+/// when it was built, and it has moved its corners by that. What is seen with this rig file is not
+/// moved so, and errs by all that the rig leaves open.
+[[nodiscard]] bool knows_edges_better(const SubMap& map, const Rig& rig, std::size_t camera);
 
 /// Says of the map that its prints' sizes are exact to 1e-9, as a simulator knows them.
 void state_exact_sizes(SubMap& map);

@@ -129,6 +129,15 @@ Status check_parameters(const SubMap& submap, std::size_t number) {
   if (covariance.rows() != count || covariance.cols() != count || !is_covariance(covariance)) {
     return fail(ErrorKind::bad_data, "sub-map {}: the parameters' covariance is none", number);
   }
+  // Modes have variance 1: nothing has more in common with one than its own sigma.
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const MapParameter& parameter = submap.parameters[static_cast<std::size_t>(i)];
+    const double most = (1 + kFloatRounding) * std::sqrt(covariance(i, i));
+    if (parameter.cross.cwiseAbs().maxCoeff() > most) {
+      return fail(ErrorKind::bad_data, "sub-map {}: {} has more in common with modes than it has",
+                  number, parameter.name);
+    }
+  }
   return {};
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/text_field.h"
+#include "core/base/one_line.h"
 #include "core/base/toml_text.h"
 #include "core/marker/id_range.h"
 #include "core/marker/marker_layout.h"
@@ -191,7 +191,8 @@ class CatalogReader {
     }
     for (const toml::node& node : *sizes.as_array()) {
       const toml::table& block = *node.as_table();
-      if (auto status = check_toml_keys(block, {"ids", "size_m", "size_sigma_m"}, name_); !status) {
+      if (auto status = check_toml_keys(block, {"ids", "size_m", "size_sigma_m", "group"}, name_);
+          !status) {
         return status;
       }
       const toml::node* const ids = block.get("ids");
@@ -204,6 +205,8 @@ class CatalogReader {
       if (!size_m) return tl::make_unexpected(size_m.error());
       const auto sigma_m = read_size_sigma(block, *size_m);
       if (!sigma_m) return tl::make_unexpected(sigma_m.error());
+      const auto group = read_group(block);
+      if (!group) return tl::make_unexpected(group.error());
       const auto ranges = read_ids(*ids, entry.family);
       if (!ranges) return tl::make_unexpected(ranges.error());
       for (const auto& [first, last] : *ranges) {
@@ -214,10 +217,25 @@ class CatalogReader {
                         toml_place(name_, *ids), id);
           }
           if (*sigma_m) entry.size_sigma_m_by_id.emplace(id, **sigma_m);
+          if (!group->empty()) entry.group_by_id.emplace(id, *group);
         }
       }
     }
     return {};
+  }
+
+  /// Empty where none is stated.
+  Expected<std::string> read_group(const toml::table& block) const {
+    const toml::node* const node = block.get("group");
+    if (node == nullptr) return std::string();
+    const auto text = node->value_exact<std::string>();
+    if (!text || text->empty() || text->size() > MarkerCatalog::kMostGroupBytes ||
+        in_one_line(*text) != *text) {
+      return fail(ErrorKind::bad_data,
+                  "{}: group must be a printable text of 1 to {} bytes, such as \"shelf 12\"",
+                  toml_place(name_, *node), MarkerCatalog::kMostGroupBytes);
+    }
+    return *text;
   }
 
   /// ids = "100-199, 205" or [100, 101].
@@ -287,6 +305,15 @@ std::optional<double> MarkerCatalog::size_sigma_m(const MarkerId& id) const {
   return default_size_sigma_m(*size);
 }
 
+std::string MarkerCatalog::group(const MarkerId& id) const {
+  for (const FamilyEntry& entry : entries_) {
+    if (entry.family != id.family) continue;
+    const auto listed = entry.group_by_id.find(id.number);
+    if (listed != entry.group_by_id.end()) return listed->second;
+  }
+  return {};
+}
+
 MarkerCatalog MarkerCatalog::with_exact_sizes() const {
   constexpr double kExact_m = 1e-9;
   MarkerCatalog exact = *this;
@@ -316,6 +343,7 @@ std::string MarkerCatalog::fingerprint() const {
   for (FamilyEntry& entry : canonical.entries_) {
     entry.default_size_sigma_m.reset();
     entry.size_sigma_m_by_id.clear();
+    entry.group_by_id.clear();
   }
   const std::string text = format_marker_catalog(canonical);
   return fmt::format("{:016x}", XXH3_64bits(text.data(), text.size()));
@@ -337,36 +365,6 @@ Expected<MarkerCatalog> parse_marker_catalog(std::string_view text, const std::s
   const auto root = parse_toml(text, name);
   if (!root) return tl::make_unexpected(root.error());
   return CatalogReader(name).read(*root);
-}
-
-std::string format_marker_catalog(const MarkerCatalog& catalog) {
-  std::string text;
-  for (const auto& entry : catalog.entries()) {
-    text += fmt::format("[[markers]]\nfamily = \"{}\"\n", name_of(entry.family));
-    if (entry.default_size_m) text += fmt::format("size_m = {}\n", *entry.default_size_m);
-    if (entry.default_size_sigma_m) {
-      text += fmt::format("size_sigma_m = {}\n", *entry.default_size_sigma_m);
-    }
-    if (entry.inverted) text += "inverted = true\n";
-    if (!entry.ignored.empty()) {
-      text += fmt::format("ignore = \"{}\"\n", format_id_ranges(std::vector<int>(
-                                                   entry.ignored.begin(), entry.ignored.end())));
-    }
-    // 0: not stated.
-    std::map<std::pair<double, double>, std::vector<int>> ids_by_size;
-    for (const auto& [id, size_m] : entry.size_m_by_id) {
-      const auto sigma = entry.size_sigma_m_by_id.find(id);
-      const double sigma_m = sigma == entry.size_sigma_m_by_id.end() ? 0 : sigma->second;
-      ids_by_size[{size_m, sigma_m}].push_back(id);
-    }
-    for (const auto& [size, ids] : ids_by_size) {
-      text += fmt::format("[[markers.sizes]]\nids = \"{}\"\nsize_m = {}\n", format_id_ranges(ids),
-                          size.first);
-      if (size.second > 0) text += fmt::format("size_sigma_m = {}\n", size.second);
-    }
-    text += '\n';
-  }
-  return text;
 }
 
 }  // namespace waymark

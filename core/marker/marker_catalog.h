@@ -25,6 +25,7 @@ class MarkerCatalog {
     std::optional<double> default_size_sigma_m{};  ///< as stated beside the default size
     std::map<int, double> size_sigma_m_by_id{};    ///< of listed ids, where stated
     bool inverted = false;                         ///< printed white for black
+    std::map<int, std::string> group_by_id{};      ///< of listed ids, where stated
   };
 
   MarkerCatalog() = default;
@@ -43,6 +44,11 @@ class MarkerCatalog {
   /// One standard deviation of that size (m), which is wrong alike for all markers that share it;
   /// where it is not stated, default_size_sigma_m. nullopt where size_m is.
   [[nodiscard]] std::optional<double> size_sigma_m(const MarkerId& id) const;
+
+  /// What the marker moves together with: a shelf's, a board's or a door's name, of whatever
+  /// families. Empty where none is stated.
+  [[nodiscard]] std::string group(const MarkerId& id) const;
+  static constexpr std::size_t kMostGroupBytes = 80;
 
   /// Whether the family's squares are seen light in dark: by its layout, or printed inverted.
   [[nodiscard]] bool shows_light_squares(Family family) const;
@@ -63,7 +69,7 @@ class MarkerCatalog {
   /// The same, its sizes stated as exact (to 1 nm): what a simulator knows.
   [[nodiscard]] MarkerCatalog with_exact_sizes() const;
 
-  /// Stable 16-digit hexadecimal fingerprint of the content, sigmas apart; written into
+  /// Stable 16-digit hexadecimal fingerprint of the content, sigmas and groups apart; written into
   /// detections.csv so that a stale one is found.
   [[nodiscard]] std::string fingerprint() const;
 
@@ -78,12 +84,14 @@ class MarkerCatalog {
 /// sizes. bad_data with line numbers for: unknown keys or families, sizes that are not positive and
 /// finite (or > 100 m), a size_sigma_m that is not above 0 and below the size beside it, a
 /// print_scale outside 0.5–2, ids outside the family, an id in two ranges, a family in two blocks,
-/// two families of which one begins with the other, malformed ranges. no_input when absent.
+/// two families of which one begins with the other, malformed ranges, a group that is no printable
+/// text of 1 to 80 bytes. no_input when absent.
 [[nodiscard]] Expected<MarkerCatalog> read_marker_catalog(const std::filesystem::path& path);
 [[nodiscard]] Expected<MarkerCatalog> parse_marker_catalog(std::string_view text,
                                                            const std::string& name);
 
-/// Text of a markers.toml that reads back to the same sizes and sigmas, print_scale within them
+/// Text of a markers.toml that reads back to the same sizes, sigmas and groups, print_scale within
+/// them
 /// (used by the simulator, importers).
 [[nodiscard]] std::string format_marker_catalog(const MarkerCatalog& catalog);
 

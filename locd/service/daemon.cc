@@ -118,6 +118,8 @@ int Daemon::control_descriptor() const {
 
 Status Daemon::start() {
   Parts& p = *parts_;
+  for (const std::string& warning : shown_notes(p.setup.warnings))
+    p.log.note("warning: " + warning);
   for (const std::string& note : shown_notes(p.setup.notes)) p.log.note(note);
   auto control = ControlSocket::open(p.options.runtime_folder / "control");
   if (!control) return tl::make_unexpected(control.error());
@@ -350,6 +352,7 @@ void Daemon::Parts::swap(Replacement next) {
   map = next.map.identity;
   unused.use_map(map->map_hash, std::move(next.quarantine));
   setup = std::move(next.setup);
+  for (const std::string& warning : shown_notes(setup.warnings)) log.note("warning: " + warning);
   for (const std::string& note : shown_notes(setup.notes)) log.note(note);
   localization.swap_map(std::move(next.map));
   recorder.set_budget(recording_budget(setup.config.record));

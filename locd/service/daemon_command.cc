@@ -158,6 +158,9 @@ Status check_configuration(const DaemonOptions& options, std::ostream& out, std:
   if (!setup) return tl::make_unexpected(setup.error());
   const auto sources = make_sources(*setup);
   if (!sources) return tl::make_unexpected(sources.error());
+  for (const std::string& warning : shown_notes(setup->warnings)) {
+    fmt::print(notes, "warning: {}\n", warning);
+  }
   for (const std::string& note : shown_notes(setup->notes)) {
     fmt::print(notes, "{}\n", note_line(note));
   }
@@ -172,10 +175,10 @@ Status check_configuration(const DaemonOptions& options, std::ostream& out, std:
   }
   const auto owner = InstanceLock::holder(lock_file(options));
   if (auto checked = check_cameras(*sources, owner, out); !checked) return checked;
-  fmt::print(out, "{}: {} cameras, {} markers{}; all is well\n",
-             in_one_line(options.config.string()), setup->rig.cameras.size(),
-             setup->map ? setup->map->submaps.front().markers.size() : 0,
-             setup->map ? ", map " + setup->map_hash : std::string(", no map"));
+  fmt::print(out, "{}: {} cameras, {} markers{}; {}\n", in_one_line(options.config.string()),
+             setup->rig.cameras.size(), setup->map ? setup->map->submaps.front().markers.size() : 0,
+             setup->map ? ", map " + setup->map_hash : std::string(", no map"),
+             setup->warnings.empty() ? "all is well" : "runs, but heed the warning");
   return {};
 }
 

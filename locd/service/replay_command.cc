@@ -21,6 +21,7 @@
 #include "locd/pose/localizer.h"
 #include "locd/pose/map_index.h"
 #include "locd/pose/pose_table.h"
+#include "locd/service/map_rig_notes.h"
 
 namespace waymark {
 namespace {
@@ -211,6 +212,18 @@ Status check_rig(const CaptureFolder& folder) {
   return {};
 }
 
+/// What `locd --check` would say of map and rig.
+void tell_of_map(const MarkerMap& map, const std::filesystem::path& map_path,
+                 const CaptureFolder& folder, std::ostream& notes) {
+  const auto told = map_rig_notes(map, map_path, folder.rig, folder.path / "rig.yaml");
+  for (const std::string& line : shown_notes(told.warnings)) {
+    fmt::print(notes, "warning: {}\n", line);
+  }
+  for (const std::string& line : shown_notes(told.notes)) {
+    fmt::print(notes, "{}\n", note_line(line));
+  }
+}
+
 /// Says before the work what could not be written after it.
 Status check_outputs(const ReplayCommandOptions& options) {
   std::vector<std::filesystem::path> outputs;
@@ -243,10 +256,7 @@ Status run_replay(const ReplayCommandOptions& options, const std::atomic<bool>& 
   for (const std::string& note : shown_notes(folder.notes)) {
     fmt::print(notes, "{}\n", note_line(note));
   }
-  if (map->submaps.size() > 1) {
-    fmt::print(notes, "note: {} holds {} sub-maps; poses are in the first, the largest\n",
-               options.map.string(), map->submaps.size());
-  }
+  tell_of_map(*map, options.map, folder, notes);
 
   LocalizerOptions localizing;
   localizing.inverted = inverted_families(folder.catalog);

@@ -7,7 +7,6 @@
 
 #include "core/base/atomic_file.h"
 #include "core/camera/kalibr.h"
-#include "core/camera/rig_fingerprint.h"
 #include "core/camera/rig_parameters.h"
 #include "core/capture/sync_tolerance.h"
 #include "core/map/map_file.h"
@@ -15,7 +14,7 @@
 #include "locd/frames/realtime.h"
 #include "locd/pose/map_index.h"
 #include "locd/publish/lcm_url.h"
-#include "locd/service/map_edges.h"
+#include "locd/service/map_rig_notes.h"
 
 namespace waymark {
 namespace {
@@ -122,30 +121,19 @@ Status read_map(Setup& setup) {
   auto map = read_map_file(path);
   if (!map) return tl::make_unexpected(map.error());
   setup.map_hash = content_hash(*map);
-  if (map->submaps.size() > 1) {
-    setup.notes.push_back(fmt::format("{} holds {} sub-maps; poses are in the first, the largest",
-                                      path.string(), map->submaps.size()));
-  }
-  const auto& markers = map->submaps.front().markers;
-  const auto unknown = std::count_if(markers.begin(), markers.end(),
-                                     [](const MapMarker& m) { return !m.covariance_known(); });
-  if (unknown > 0) {
-    setup.notes.push_back(fmt::format(
-        "{}: the uncertainty of {} of {} markers is unknown; no pose that rests on them will be OK",
-        path.string(), unknown, markers.size()));
-  }
   setup.map = std::move(*map);
   return {};
 }
 
-/// Errors of cameras and markers are known to be the same ones only where the calibration is.
-void note_other_calibration(Setup& setup) {
-  if (!setup.map || !setup.map->considered() || setup.map->rig_fingerprint.empty()) return;
-  if (setup.map->rig_fingerprint == fingerprint(setup.rig)) return;
-  setup.notes.push_back(fmt::format(
-      "{}: built with another calibration than {}; poses count with both as independent. Where the "
-      "map was built with --refine, use the rig file that was written beside it",
-      setup.config.map.string(), setup.config.rig.camchain.string()));
+void note_map_and_rig(Setup& setup) {
+  const std::filesystem::path& camchain = setup.config.rig.camchain;
+  if (setup.map) {
+    MapRigNotes told = map_rig_notes(*setup.map, setup.config.map, setup.rig, camchain);
+    setup.warnings = std::move(told.warnings);
+    std::move(told.notes.begin(), told.notes.end(), std::back_inserter(setup.notes));
+  } else if (auto note = note_of_default_sigmas(setup.rig, camchain.string())) {
+    setup.notes.push_back(*std::move(note));
+  }
 }
 
 Status read_key(Setup& setup) {
@@ -189,15 +177,7 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
     setup.notes.emplace_back(
         "no [record] markers: recordings need a markers.toml before mapbuilder reads them");
   }
-  note_other_calibration(setup);
-  if (auto note = note_of_default_sigmas(setup.rig, setup.config.rig.camchain.string())) {
-    setup.notes.push_back(*std::move(note));
-  }
-  if (setup.map) {
-    if (auto note = note_of_map_edges(*setup.map, setup.rig, setup.config.map.string())) {
-      setup.notes.push_back(*std::move(note));
-    }
-  }
+  note_map_and_rig(setup);
   // The rig's come last: of very many only the first are shown.
   std::move(rig->notes.begin(), rig->notes.end(), std::back_inserter(setup.notes));
   return setup;

@@ -19,11 +19,12 @@ struct Setup {
   Config config;  ///< cameras by the rig's order
   Rig rig;        ///< read-out times as the configuration has them
   std::optional<MarkerMap> map;
-  std::string map_hash;            ///< content hash; empty without a map
-  std::optional<MessageKey> key;   ///< what poses are signed with
-  std::vector<Family> inverted;    ///< printed white for black, as the same file says
-  std::string markers_toml;        ///< for recordings; empty when nothing tells families and sizes
-  std::vector<std::string> notes;  ///< what the user should know, what weighs most first
+  std::string map_hash;           ///< content hash; empty without a map
+  std::optional<MessageKey> key;  ///< what poses are signed with
+  std::vector<Family> inverted;   ///< printed white for black, as the same file says
+  std::string markers_toml;       ///< for recordings; empty when nothing tells families and sizes
+  std::vector<std::string> warnings;  ///< what should be mended
+  std::vector<std::string> notes;     ///< what the user should know, what weighs most first
 };
 
 /// Reads configuration, rig, map and replayed captures. Errors: those of the readers; config for

@@ -84,13 +84,11 @@ void ConsiderProblem::take_rigs(const Observations& observations, const Calibrat
   rigs_ = calibration.rigs.values();
   for (std::size_t r = 0; r < rigs_.size(); ++r) {
     Rig& rig = rigs_[r];
-    const auto parameters = static_cast<Eigen::Index>(rig_parameters(rig).size());
-    // Of a lens that was stated without distortion and has some now.
-    if (rig.joint_sigmas && rig.joint_sigmas->rows() != parameters) rig.joint_sigmas.reset();
+    drop_unfit_joint_sigmas(rig);
     const std::size_t first = observations.first_camera[RigIndex(r)].value();
     for (std::size_t c = 0; c < rig.cameras.size(); ++c) {
       const auto& measured = observations.edges[CameraIndex(first + c)];
-      if (measured) rig.cameras[c].stated_sigmas.edge_px = measured->sigma_px;
+      if (measured) state_sigma(c, CameraQuantity::edge, measured->sigma_px, rig);
     }
   }
 }

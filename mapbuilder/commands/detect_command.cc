@@ -43,8 +43,9 @@ Status run_detect(const DetectOptions& options, Progress& progress, std::ostream
     return tl::make_unexpected(refusal_of(output.string(), findings, "nothing was written"));
   }
   const DetectedCapture& capture = taken->captures.front();
-  const std::string text = format_detections_csv(capture.images, capture.rig, capture.catalog,
-                                                 detector_name(options.engine), capture.edges);
+  const std::string text =
+      format_detections_csv(capture.images, capture.rig, capture.catalog,
+                            detector_name(options.engine), edge_moves(capture));
   if (auto written = write_file_atomically(output, text); !written) return written;
   std::size_t markers = 0;
   for (const ImageDetections& image : capture.images) markers += image.detections.size();

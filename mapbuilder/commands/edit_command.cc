@@ -71,6 +71,12 @@ std::vector<MarkerId> verified_before(const MarkerMap& map, const MapEdit& edit)
   return verified;
 }
 
+std::string identity_text(const std::string& before, const std::string& after) {
+  if (before == after) return fmt::format("map {} as before, and so is a quarantine of it", after);
+  return fmt::format("map {}, before {}: a quarantine of that one does not hold for it", after,
+                     before);
+}
+
 }  // namespace
 
 Status run_edit(const EditOptions& options, std::ostream& out, std::ostream& notes) {
@@ -86,11 +92,10 @@ Status run_edit(const EditOptions& options, std::ostream& out, std::ostream& not
     fmt::print(notes, "note: verified before: {}\n",
                format_marker_ids(before, map->several_families()));
   }
-  print_line(out,
-             "{}: {} markers, {} removed, {} renamed, {} accepted; map {}, before {}: a quarantine "
-             "of that one does not hold for it",
+  print_line(out, "{}: {} markers, {} removed, {} renamed, {} accepted; {}",
              options.output.string(), marker_ids(*edited).size(), edit->remove.size(),
-             edit->rename.size(), edit->accept.size(), content_hash(*edited), content_hash(*map));
+             edit->rename.size(), edit->accept.size(),
+             identity_text(content_hash(*map), content_hash(*edited)));
   return {};
 }
 

@@ -1,9 +1,16 @@
 #include "mapbuilder/commands/improved_rig.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string>
+#include <string_view>
 
 #include "core/base/atomic_file.h"
+#include "core/base/fingerprint.h"
+#include "core/base/input_file.h"
 #include "core/camera/kalibr.h"
+#include "core/camera/rig_parameters.h"
 #include "mapbuilder/build/output_paths.h"
 #include "mapbuilder/commands/print_line.h"
 
@@ -16,9 +23,24 @@ fs::path beside_map(const BuildCommandOptions& options) {
   return fs::path(options.output).replace_extension(".yaml");
 }
 
-bool states_edge_bias(const Rig& rig) {
-  return std::any_of(rig.cameras.begin(), rig.cameras.end(),
-                     [](const RigCamera& camera) { return camera.edge_bias_px.has_value(); });
+/// What the rig files of builds begin with; what follows in the line is the rest's fingerprint.
+constexpr std::string_view kOwnLine = "# mapbuilder build wrote this rig: ";
+
+std::string own_line(std::string_view rest) {
+  Fingerprint hash;
+  hash.add(rest);
+  return fmt::format("{}{}\n", kOwnLine, hash.hexadecimal());
+}
+
+/// Whether a build wrote the file, and nobody changed it since.
+bool is_of_a_build(const fs::path& path) {
+  auto file = InputFile::open(path, kMaxCamchainBytes);
+  if (!file) return false;
+  std::string text(file->size(), '\0');
+  const auto size = file->read(text);
+  if (!size || *size != text.size()) return false;
+  const auto line = std::min(text.find('\n'), text.size() - 1) + 1;
+  return text.substr(0, line) == own_line(text.substr(line));
 }
 
 /// Whether a rig that nobody asked for may go there: nothing is there, or an earlier build's rig
@@ -27,8 +49,7 @@ bool may_take_place(const fs::path& path, const BuildCommandOptions& options) {
   std::error_code unknown;
   if (fs::symlink_status(path, unknown).type() == fs::file_type::not_found) return true;
   if (!check_spares_input(path, options.input, {options.survey, options.quarantine})) return false;
-  const auto earlier = read_camchain(path);
-  return earlier && states_edge_bias(earlier->rig);
+  return is_of_a_build(path);
 }
 
 }  // namespace
@@ -41,13 +62,14 @@ std::optional<fs::path> asked_rig_path(const BuildCommandOptions& options) {
 
 Rig improved_rig(RigIndex rig, const Calibration& calibration, const Observations& observations) {
   Rig improved = calibration.rigs[rig];
+  drop_unfit_joint_sigmas(improved);
   const std::size_t first = observations.first_camera[rig].value();
   for (std::size_t c = 0; c < improved.cameras.size(); ++c) {
     const auto& edges = observations.edges[CameraIndex(first + c)];
     if (!edges) continue;
     RigCamera& camera = improved.cameras[c];
     camera.edge_bias_px = edges->bias_px;
-    camera.stated_sigmas.edge_px = edges->sigma_px;
+    state_sigma(c, CameraQuantity::edge, edges->sigma_px, improved);
     if (!camera.response) camera.response = edges->response;
   }
   return improved;
@@ -74,7 +96,7 @@ Status write_improved_rigs(const BuildCommandOptions& options, const BuildResult
       return {};
     }
     const std::string text = format_camchain(improved_rig(rig, calibration, observations));
-    if (auto written = write_file_atomically(path, text); !written) return written;
+    if (auto written = write_file_atomically(path, own_line(text) + text); !written) return written;
     print_line(out, "{}: {}", path.string(),
                refined ? "refined rig" : "rig with its measured edges, for locd");
   }

@@ -23,7 +23,8 @@ namespace waymark {
 
 /// Writes rigs that were refined, or whose edges were measured, as camchains, numbered from the
 /// second on. One that nobody asked for goes beside the map (MAP.yaml), but into no input's place
-/// and into none of a file that is not such a rig already: `notes` then says how to name another.
+/// and into none of a file that no build wrote or that somebody changed since (its first line tells
+/// that): `notes` then says how to name another.
 [[nodiscard]] Status write_improved_rigs(const BuildCommandOptions& options,
                                          const BuildResult& result,
                                          const Observations& observations, std::ostream& out,

@@ -15,6 +15,8 @@
 #include "core/camera/kalibr.h"
 #include "core/marker/id_range.h"
 #include "core/marker/marker_catalog.h"
+#include "core/marker/marker_layout.h"
+#include "core/marker/nested_families.h"
 #include "mapbuilder/commands/print_line.h"
 #include "mapbuilder/print/pdf_file.h"
 #include "mapbuilder/print/print_advice.h"
@@ -77,6 +79,12 @@ Expected<std::vector<MarkerBatch>> batches_of(const PrintOptions& options) {
     const auto family = family_named(of_batch(options.families, k));
     if (!family) return tl::make_unexpected(family.error());
     const double size_m = of_batch(options.sizes_m, k);
+    for (const MarkerBatch& other : batches) {
+      if (other.family == *family || !share_codes(other.family, *family)) continue;
+      return fail(ErrorKind::usage,
+                  "--family: {} and {} have codes in common, and one would mean two ids; print one",
+                  name_of(other.family), name_of(*family));
+    }
     if (!kPrintedSize_m.contains(size_m)) {
       return fail(ErrorKind::usage, "--size-m {}: must lie within {} and {} m", size_m,
                   kPrintedSize_m.low, kPrintedSize_m.high);
@@ -117,6 +125,12 @@ std::optional<double> stated_size_m(const MarkerCatalog& catalog, const MarkerId
 Status check_states(const MarkerCatalog& there, const std::filesystem::path& path,
                     const std::vector<MarkerBatch>& batches) {
   for (const MarkerBatch& batch : batches) {
+    if (there.shows_light_squares(batch.family) != marker_layout(batch.family).is_light()) {
+      return fail(ErrorKind::bad_data,
+                  "{}: states {} as inverted, and sheets are printed as the family is; name a file "
+                  "in another folder",
+                  path.string(), name_of(batch.family));
+    }
     for (const int number : batch.numbers) {
       const auto size_m = stated_size_m(there, {batch.family, number});
       constexpr double kRounding = 1e-9;
@@ -152,8 +166,9 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
     if (!stated) return tl::make_unexpected(stated.error());
     if (auto states = check_states(*stated, markers_toml, *batches); !states) return states;
   }
-  const std::vector<Sheet> sheets = lay_out(*batches, *paper);
-  const auto pdf = pdf_of(sheets);
+  const auto sheets = lay_out(*batches, *paper);
+  if (!sheets) return tl::make_unexpected(sheets.error());
+  const auto pdf = pdf_of(*sheets);
   if (!pdf) return tl::make_unexpected(pdf.error());
   // Sizes without their sheets can be taken back, sheets without sizes are lost on a full disk.
   if (!there) {
@@ -174,7 +189,7 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
   std::size_t markers = 0;
   for (const MarkerBatch& batch : *batches) markers += batch.numbers.size();
   print_line(out, "{}: {} markers on {} sheets; sizes: {}{}", options.output.string(), markers,
-             sheets.size(), markers_toml.string(), there ? " (as it was)" : "");
+             sheets->size(), markers_toml.string(), there ? " (as it was)" : "");
   fmt::print(out, "print at 100 %, not \"fit to page\", and measure a ruler\n");
   return {};
 }
@@ -182,8 +197,13 @@ Status run_print(const PrintOptions& options, std::ostream& out) {
 Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out, std::ostream& notes) {
   if (options.rig.empty())
     return fail(ErrorKind::usage, "print --advise: --rig RIG.yaml is required");
-  if (!kAdviceRange_m.contains(options.range_m)) {
-    return fail(ErrorKind::usage, "--range-m {}: must lie within {} and {} m", options.range_m,
+  if (!options.range_m) {
+    return fail(ErrorKind::usage,
+                "print --advise: --range-m, the farthest a marker is read, is "
+                "required");
+  }
+  if (!kAdviceRange_m.contains(*options.range_m)) {
+    return fail(ErrorKind::usage, "--range-m {}: must lie within {} and {} m", *options.range_m,
                 kAdviceRange_m.low, kAdviceRange_m.high);
   }
   const auto rig = read_camchain(options.rig);
@@ -191,7 +211,7 @@ Status run_print_advice(const PrintAdviceOptions& options, std::ostream& out, st
   for (const std::string& note : shown_notes(rig->notes)) {
     fmt::print(notes, "{}\n", note_line(note));
   }
-  fmt::print(out, "{}", advice_text(print_advice(rig->rig, options.range_m), options.range_m));
+  fmt::print(out, "{}", advice_text(print_advice(rig->rig, *options.range_m), *options.range_m));
   return {};
 }
 

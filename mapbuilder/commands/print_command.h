@@ -24,7 +24,7 @@ struct PrintOptions {
 struct PrintAdviceOptions {
   bool asked = false;
   std::filesystem::path rig;
-  double range_m = 0;
+  std::optional<double> range_m;
 };
 
 /// Writes the markers as a PDF, and markers.toml beside it; where one lies there already it stays,

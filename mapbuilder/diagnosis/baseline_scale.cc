@@ -7,13 +7,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mapbuilder/diagnosis/length_unit.h"
+
 namespace waymark {
 
 std::optional<BaselineScale> baseline_scale(const Rig& stated, const Rig& fitted,
-                                            const Eigen::MatrixXd& covariance) {
+                                            const Eigen::MatrixXd& covariance, double least_gain) {
   constexpr double kCalibration_m = 0.001;
   constexpr double kCalibration_rad = 0.00087;
-  constexpr double kLeastGain = 20.0;
   constexpr double kMostLeft = 0.25;
   const auto others = static_cast<Eigen::Index>(stated.cameras.size()) - 1;
   if (others < 1 || covariance.rows() != 6 * (others + 1)) return std::nullopt;
@@ -37,7 +38,7 @@ std::optional<BaselineScale> baseline_scale(const Rig& stated, const Rig& fitted
   const double change = weighted.dot(off) / information;
   const double all = off.dot(factor.solve(off));
   const double gain = change * change * information;
-  if (!(gain > kLeastGain) || all - gain > kMostLeft * all) return std::nullopt;
+  if (!(gain > least_gain) || all - gain > kMostLeft * all) return std::nullopt;
   return BaselineScale{1.0 + change, 1.0 / std::sqrt(information)};
 }
 
@@ -51,6 +52,18 @@ Rig with_baselines(Rig rig, double factor) {
 }
 
 std::string sizes_against_baselines(const BaselineScale& scale) {
+  if (const auto unit = unit_of(scale.factor)) {
+    return fmt::format(
+        "stated sizes are {:.0f} times too large against the rig's baselines: sizes "
+        "in {}, or baselines too small by so much",
+        scale.factor, unit->name);
+  }
+  if (const auto unit = unit_of(1 / scale.factor)) {
+    return fmt::format(
+        "the rig's baselines are {:.0f} times too large against stated sizes: "
+        "baselines in {}, or sizes too small by so much",
+        1 / scale.factor, unit->name);
+  }
   return fmt::format(
       "stated sizes are {:.1f} ± {:.1f} % too {} against the rig's baselines, or the baselines "
       "too {}",

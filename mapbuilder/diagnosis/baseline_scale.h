@@ -17,11 +17,12 @@ struct BaselineScale {
 };
 
 /// Whether one factor on all baselines explains how the fitted rig differs from the stated one: it
-/// gains more than 20 sigmas² and leaves a quarter at most. `covariance` of the fitted
+/// gains more than `least_gain` (sigmas²) and leaves a quarter at most. `covariance` of the fitted
 /// rig_from_cam, six per camera (Rigid3's tangent); what a calibration leaves (1 mm, 0.05°) comes
 /// on top. nullopt: another cause, or none.
 [[nodiscard]] std::optional<BaselineScale> baseline_scale(const Rig& stated, const Rig& fitted,
-                                                          const Eigen::MatrixXd& covariance);
+                                                          const Eigen::MatrixXd& covariance,
+                                                          double least_gain = 20.0);
 
 /// The rig with baselines so many times as long.
 [[nodiscard]] Rig with_baselines(Rig rig, double factor);

@@ -82,7 +82,7 @@ Finding intrinsics_misfit(const RigCamera& before, const RigCamera& after,
   finding.cause = Cause::intrinsics;
   finding.subject = before.name;
   finding.text = fmt::format(
-      "its images fit a focal length {} off the stated one, and a lens that puts its markers up to "
+      "images fit a focal length {} off the stated one, and a lens that puts its markers up to "
       "{:.1f} px elsewhere than the stated one{}.",
       give_or_take(100 * focal, 100 * sure.focal, " %", 2), lens_px,
       stated_straight ? ": the stated zero distortion is wrong" : "");
@@ -164,6 +164,25 @@ std::optional<Eigen::MatrixXd> covariance_of_places(const CalibrationResult& cal
   return joint.block(at, at, size, size);
 }
 
+std::vector<CameraDisplacement> displacements_of(const Rig& stated, const Rig& fitted,
+                                                 const Eigen::MatrixXd& covariance) {
+  return camera_displacements(stated, fitted, covariance,
+                              least_displacing_reference(stated, fitted, covariance));
+}
+
+/// One factor on all baselines, where that is clear, or where cameras would be named else: one
+/// number comes before many. Of two cameras it is no less than the other's place.
+std::optional<BaselineScale> scale_of(const Rig& stated, const Rig& fitted,
+                                      const Eigen::MatrixXd& covariance) {
+  constexpr double kGainOverCameras = 4.0;
+  if (auto clear = baseline_scale(stated, fitted, covariance)) return clear;
+  const auto displaced = displacements_of(stated, fitted, covariance);
+  const bool names_some = std::any_of(displaced.begin(), displaced.end(),
+                                      [](const auto& one) { return one.is_worth_naming(); });
+  if (!names_some || displaced.size() < 3) return std::nullopt;
+  return baseline_scale(stated, fitted, covariance, kGainOverCameras);
+}
+
 /// One factor on all baselines is the sizes' fault as likely as the cameras'; what is left is some
 /// camera's.
 void name_displaced(const CalibrationResult& calibration, RigIndex rig, std::size_t first,
@@ -172,12 +191,11 @@ void name_displaced(const CalibrationResult& calibration, RigIndex rig, std::siz
   if (!covariance) return;
   Rig stated = calibration.rigs_before[rig];
   const Rig& fitted = calibration.rigs_fitted[rig];
-  if (const auto scale = baseline_scale(stated, fitted, *covariance)) {
+  if (const auto scale = scale_of(stated, fitted, *covariance)) {
     findings.push_back(finding_of(*scale, stated));
     stated = with_baselines(std::move(stated), scale->factor);
   }
-  const auto displaced = camera_displacements(
-      stated, fitted, *covariance, least_displacing_reference(stated, fitted, *covariance));
+  const auto displaced = displacements_of(stated, fitted, *covariance);
   for (std::size_t c = 0; c < displaced.size(); ++c) {
     if (!displaced[c].is_worth_naming()) continue;
     findings.push_back(rig_misfit(stated.cameras[c].name, displaced[c], refined));

@@ -214,12 +214,9 @@ class CaptureExplainer {
       take_displaced(place, *explanation);
       return;
     }
-    for (const RigExplanation& one : {*explanation, explanation->or_else()}) {
-      if (one.detail.empty()) continue;
-      Finding finding = finding_of(one, capture.rig);
-      finding.captures = {capture.name};
-      add_finding(std::move(finding), explained_.findings);
-    }
+    Finding finding = finding_of(*explanation, capture.rig);
+    finding.captures = {capture.name};
+    add_finding(std::move(finding), explained_.findings);
     put_right(*explanation, capture, evidence_[place]);
   }
 

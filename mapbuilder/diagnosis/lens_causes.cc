@@ -69,6 +69,18 @@ std::optional<double> scale_of(const CameraParameters& stated, const CameraParam
   return std::nullopt;
 }
 
+/// A principal point that no lens has, in words: of intrinsics such as [fu pu fv pv].
+std::optional<std::string> point_outside(const CameraParameters& stated) {
+  if (stated.pu_px >= 0 && stated.pu_px < stated.width_px && stated.pv_px >= 0 &&
+      stated.pv_px < stated.height_px) {
+    return std::nullopt;
+  }
+  return fmt::format(
+      "the stated principal point, ({:.0f}, {:.0f}), lies outside of the image of {} x {}: are the "
+      "intrinsics written in another order?",
+      stated.pu_px, stated.pv_px, stated.width_px, stated.height_px);
+}
+
 std::string factor_text(double factor) {
   if (factor == 2.0) return "half the resolution";
   if (factor == 0.5) return "double the resolution";
@@ -84,7 +96,7 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
     e.unit = "px";
     e.value = fitted.fu_px;
     e.detail = fmt::format(
-        "its images fit a focal length of {:.0f} px, which is stated as the principal point: are "
+        "images fit a focal length of {:.0f} px, which is stated as the principal point: are "
         "the intrinsics written as [cx cy fx fy]?",
         focal_of(fitted));
     e.remedy = "Write them as [fu fv pu pv].";
@@ -95,9 +107,16 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
     e.unit = "%";
     e.value = 100.0 * (focal_of(fitted) / focal_of(stated) - 1.0);
     e.detail = fmt::format(
-        "its images fit a focal length {:+.1f} % off the stated one: as of {} of the images",
-        e.value, factor_text(*factor));
+        "images fit a focal length {:+.1f} % off the stated one: as of {} of the images", e.value,
+        factor_text(*factor));
     e.remedy = "Use the calibration of the size that is recorded, or scale its intrinsics.";
+    return e;
+  }
+  if (const auto lies_outside = point_outside(stated)) {
+    e.unit = "px";
+    e.value = fitted.fu_px;
+    e.detail = *lies_outside;
+    e.remedy = "Check the order of intrinsics: fu, fv, pu, pv.";
     return e;
   }
   const double aspect = (fitted.fv_px / fitted.fu_px) / (stated.fv_px / stated.fu_px);
@@ -115,7 +134,7 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
   if (std::abs(focal) > kSameFocal) {
     e.unit = "%";
     e.value = 100.0 * focal;
-    e.detail = fmt::format("its images fit a focal length {:+.1f} % off the stated one", e.value);
+    e.detail = fmt::format("images fit a focal length {:+.1f} % off the stated one", e.value);
     e.remedy = kCalibrate;
     return e;
   }
@@ -129,7 +148,7 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
     if ((shift - turned).norm() < alike_px) {
       e.cause = Cause::images_turned;
       e.detail = fmt::format(
-          "its principal point fits at ({:.1f}, {:.1f}), which is the stated one turned by 180°: "
+          "the principal point fits at ({:.1f}, {:.1f}), which is the stated one turned by 180°: "
           "are the images turned?",
           fitted.pu_px, fitted.pv_px);
       e.remedy = "Switch the turning off in the driver, or calibrate with it.";
@@ -138,7 +157,7 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
     if (shift.norm() > kSamePoint * stated.width_px) {
       e.cause = Cause::crop;
       e.detail = fmt::format(
-          "its principal point fits at ({:.1f}, {:.1f}), ({:+.1f}, {:+.1f}) px from the stated "
+          "the principal point fits at ({:.1f}, {:.1f}), ({:+.1f}, {:+.1f}) px from the stated "
           "one: a crop of what was calibrated?",
           fitted.pu_px, fitted.pv_px, shift.x(), shift.y());
       e.remedy = "Calibrate the crop, or shift the principal point by its offset.";
@@ -152,7 +171,7 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
     e.unit = "px";
     e.value = stated_bend;
     e.detail = fmt::format(
-        "its images fit a lens without distortion, and the stated one bends them by up to {:.1f} "
+        "images fit a lens without distortion, and the stated one bends them by up to {:.1f} "
         "px: were they rectified?",
         stated_bend);
     e.remedy = "State distortion_model none with the intrinsics of the rectified images.";
@@ -162,7 +181,7 @@ std::optional<LensExplanation> explain_lens(const CameraParameters& stated,
     e.unit = "px";
     e.value = std::max(std::abs(fitted_bend - stated_bend), shift.norm());
     e.detail = fmt::format(
-        "its images fit another lens or principal point, by up to {:.1f} px in the image", e.value);
+        "images fit another lens or principal point, by up to {:.1f} px in the image", e.value);
     e.remedy = kCalibrate;
     return e;
   }

@@ -81,13 +81,26 @@ std::optional<double> apart_in_sides(const MarkerView& a, const MarkerView& b) {
          a.observation->size_m;
 }
 
-/// Pairs of markers that stand alike to each other in most images that show both.
-std::vector<std::pair<MarkerIndex, MarkerIndex>> rigid_pairs(const Images& images) {
+/// Whether markers.toml states that the two move together.
+bool move_together(const Observations& observations, MarkerIndex a, MarkerIndex b) {
+  const auto& groups = observations.groups;
+  return !groups.empty() && !groups[a].empty() && groups[a] == groups[b];
+}
+
+/// Pairs of markers that stand alike to each other in most images that show both, or that are
+/// stated to.
+std::vector<std::pair<MarkerIndex, MarkerIndex>> rigid_pairs(const Observations& observations,
+                                                             const Images& images) {
   std::map<std::pair<MarkerIndex, MarkerIndex>, std::vector<double>> apart;
+  std::vector<std::pair<MarkerIndex, MarkerIndex>> rigid;
   for (const auto& [key, views] : images) {
     for (const MarkerView& a : views) {
       for (const MarkerView& b : views) {
         if (!(a.marker < b.marker)) continue;
+        if (move_together(observations, a.marker, b.marker)) {
+          rigid.emplace_back(a.marker, b.marker);
+          continue;
+        }
         if (const auto sides = apart_in_sides(a, b)) apart[{a.marker, b.marker}].push_back(*sides);
       }
     }
@@ -95,7 +108,6 @@ std::vector<std::pair<MarkerIndex, MarkerIndex>> rigid_pairs(const Images& image
   constexpr std::size_t kLeastImages = 3;
   constexpr double kSame = 0.1;
   constexpr double kMost = 0.7;
-  std::vector<std::pair<MarkerIndex, MarkerIndex>> rigid;
   for (auto& [pair, distances] : apart) {
     std::sort(distances.begin(), distances.end());
     const double middle = distances[distances.size() / 2];
@@ -166,8 +178,10 @@ std::vector<MovingGroup> find_moving_groups(const MapEvidence& evidence,
     images[{view.frame_set, view.camera}].push_back(view);
   }
   std::vector<MovingGroup> groups;
-  for (const std::set<MarkerIndex>& markers : connected(rigid_pairs(images))) {
-    if (markers.size() < static_cast<std::size_t>(options.least_group)) continue;
+  const Observations& observations = evidence.observations();
+  for (const std::set<MarkerIndex>& markers : connected(rigid_pairs(observations, images))) {
+    const bool stated = move_together(observations, *markers.begin(), *markers.rbegin());
+    if (!stated && markers.size() < static_cast<std::size_t>(options.least_group)) continue;
     MovingGroup group;
     group.markers.assign(markers.begin(), markers.end());
     for (const auto& [key, views] : images) {

@@ -50,7 +50,8 @@ struct MovingGroup {
                                                           const MovementOptions& options);
 
 /// Groups among views that lie off their markers' places: pairs of one image whose distance in
-/// sides is the same in three images or more.
+/// sides is the same in three images or more, or of which markers.toml states that they move
+/// together: then two are a group.
 [[nodiscard]] std::vector<MovingGroup> find_moving_groups(const MapEvidence& evidence,
                                                           const std::vector<MarkerView>& elsewhere,
                                                           const MovementOptions& options);

@@ -60,6 +60,26 @@ void turn_cameras(const std::vector<std::size_t>& cameras, Rig& rig) {
   }
 }
 
+std::string names_of(const std::vector<std::size_t>& cameras, const Rig& rig) {
+  std::vector<std::string> names;
+  for (const std::size_t k : cameras) names.push_back(rig.cameras[k].name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+/// The other cause that looks alike: one of the two remedies helps, both together don't.
+void add_alternative(const RigExplanation::Alternative& other, const Rig& rig, Finding& finding) {
+  if (other.detail.empty()) return;
+  finding.text += fmt::format(" Or, which looks alike, [{}] {}: {}{}", name_of(other.cause),
+                              names_of(other.cameras, rig), other.detail,
+                              other.detail.ends_with('?') ? "" : ".");
+  finding.remedy =
+      fmt::format("Do one of the two. Either: {} Or: {}", finding.remedy, other.remedy);
+  for (const std::size_t k : other.cameras) finding.cameras.push_back(rig.cameras[k].name);
+  std::sort(finding.cameras.begin(), finding.cameras.end());
+  finding.cameras.erase(std::unique(finding.cameras.begin(), finding.cameras.end()),
+                        finding.cameras.end());
+}
+
 }  // namespace
 
 Finding finding_of(const RigExplanation& explanation, const Rig& rig) {
@@ -67,9 +87,10 @@ Finding finding_of(const RigExplanation& explanation, const Rig& rig) {
   finding.severity = Severity::error;
   finding.cause = explanation.cause;
   for (const std::size_t k : explanation.cameras) finding.cameras.push_back(rig.cameras[k].name);
-  finding.subject = fmt::format("{}", fmt::join(finding.cameras, ", "));
+  finding.subject = names_of(explanation.cameras, rig);
   finding.text = explanation.detail + (explanation.detail.ends_with('?') ? "" : ".");
   finding.remedy = explanation.remedy;
+  add_alternative(explanation.alternative, rig, finding);
   finding.explains =
       "every image alone fits the map, and together they fit with this and not as stated";
   if (explanation.sigma > 0 || explanation.value != 0) {

@@ -36,8 +36,6 @@ struct RigExplanation {
     std::string detail;
     std::string remedy;
   } alternative;
-  /// The alternative as an explanation of its own.
-  [[nodiscard]] RigExplanation or_else() const;
   double gain = 0;  ///< 2 Δ ln L over the rig as stated, sigmas², less the price of its numbers
 };
 

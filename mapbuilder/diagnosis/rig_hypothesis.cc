@@ -9,15 +9,6 @@
 
 namespace waymark {
 
-RigExplanation RigExplanation::or_else() const {
-  RigExplanation other;
-  other.cause = alternative.cause;
-  other.cameras = alternative.cameras;
-  other.detail = alternative.detail;
-  other.remedy = alternative.remedy;
-  return other;
-}
-
 std::vector<std::size_t> RigCase::every_camera() const {
   std::vector<std::size_t> all(cameras());
   std::iota(all.begin(), all.end(), std::size_t{0});

@@ -1,7 +1,5 @@
 #include "mapbuilder/diagnosis/rig_judge.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -144,9 +142,7 @@ std::optional<RigExplanation> verdict(const std::vector<RigHypothesis>& all, dou
   // Two numbers that fit as well as each other name nobody.
   if (!best.listed) return std::nullopt;
   const RigExplanation& other = rival->explanation;
-  explanation.alternative = {
-      other.cause, other.cameras,
-      fmt::format("{} (this or the other: the two look alike)", other.detail), other.remedy};
+  explanation.alternative = {other.cause, other.cameras, other.detail, other.remedy};
   return explanation;
 }
 

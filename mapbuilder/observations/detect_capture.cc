@@ -1,5 +1,7 @@
 #include "mapbuilder/observations/detect_capture.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -7,6 +9,7 @@
 
 #include "core/base/parallel.h"
 #include "core/capture/detections_csv.h"
+#include "core/capture/edge_moves.h"
 #include "core/capture/image_file.h"
 #include "core/capture/sync_tolerance.h"
 #include "mapbuilder/observations/edge_correction.h"
@@ -168,7 +171,15 @@ Expected<DetectedCapture> from_csv(const CaptureFolder& capture, DetectionReport
                            capture.catalog,        std::move(table->images),
                            capture.sync_tolerance, capture.monotonic};
   detected.unlisted = std::move(table->unlisted);
-  detected.edges = std::move(table->edges);
+  for (const auto& move : table->moves) {
+    detected.edges.push_back(move ? move->measured : std::nullopt);
+  }
+  if (const auto unsure = widen_for_unknown_moves(*table, detected.rig); !unsure.empty()) {
+    report.warnings.push_back(fmt::format(
+        "{}: does not say by how much corners of {} were moved for the edge_bias_px of rig.yaml; "
+        "they count as unsure by all of it. Detect again (--redetect)",
+        capture.detections_csv->string(), fmt::join(unsure, ", ")));
+  }
   return detected;
 }
 

@@ -24,6 +24,17 @@ std::vector<const Detection*> in_canonical_order(const std::vector<Detection>& d
   return sorted;
 }
 
+std::vector<EdgeMove> edge_moves(const DetectedCapture& capture) {
+  std::vector<EdgeMove> moves;
+  for (std::size_t c = 0; c < capture.rig.cameras.size(); ++c) {
+    EdgeMove& move = moves.emplace_back();
+    if (c < capture.edges.size()) move.measured = capture.edges[c];
+    move.px =
+        move.measured ? move.measured->bias_px : capture.rig.cameras[c].edge_bias_px.value_or(0);
+  }
+  return moves;
+}
+
 bool have_same_serials(const Rig& a, const Rig& b) {
   return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(),
                     [](const RigCamera& one, const RigCamera& other) {

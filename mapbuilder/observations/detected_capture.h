@@ -10,6 +10,7 @@
 #include "core/camera/rig.h"
 #include "core/camera/rig_fingerprint.h"
 #include "core/capture/detection.h"
+#include "core/capture/edge_line.h"
 #include "core/capture/frame_set.h"
 #include "core/marker/marker_catalog.h"
 
@@ -34,6 +35,9 @@ struct DetectedCapture {
 [[nodiscard]] std::string fingerprint(const DetectedCapture& capture);
 /// Of all different rigs together; of one its own.
 [[nodiscard]] std::string fingerprint(std::span<const Rig> rigs);
+
+/// By how much each camera's corners have been moved outward, for those who write them down.
+[[nodiscard]] std::vector<EdgeMove> edge_moves(const DetectedCapture& capture);
 
 /// Whether two rigs are one: the same names and numbers, and no serial that says otherwise.
 [[nodiscard]] bool are_same(const Rig& a, const Rig& b);

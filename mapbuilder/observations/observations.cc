@@ -221,6 +221,22 @@ Status check_rigs(const std::vector<DetectedCapture>& captures, bool mono) {
   return {};
 }
 
+/// By markers.toml; where captures differ, the name that sorts first: their order leaves no trace.
+IndexedVector<MarkerIndex, std::string> groups_of(
+    const std::vector<DetectedCapture>& captures,
+    const IndexedVector<MarkerIndex, MarkerId>& markers) {
+  IndexedVector<MarkerIndex, std::string> groups;
+  for (const MarkerId& marker : markers.values()) {
+    std::string first;
+    for (const DetectedCapture& capture : captures) {
+      std::string group = capture.catalog.group(marker);
+      if (!group.empty() && (first.empty() || group < first)) first = std::move(group);
+    }
+    groups.push_back(std::move(first));
+  }
+  return groups;
+}
+
 std::string fingerprint_of_rigs(const std::vector<DetectedCapture>& captures) {
   std::vector<Rig> rigs;
   for (const DetectedCapture& capture : captures) rigs.push_back(capture.rig);
@@ -271,6 +287,7 @@ Expected<Observations> make_observations(const std::vector<DetectedCapture>& cap
   Observations made = std::move(maker).finish(effective_threads(options.threads));
   made.rig_fingerprint = fingerprint_of_rigs(captures);
   made.recalibrated = recalibrated_pairs(captures);
+  made.groups = groups_of(captures, made.markers);
   return made;
 }
 

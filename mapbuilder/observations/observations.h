@@ -70,6 +70,7 @@ struct Observations {
   IndexedVector<MarkerIndex, MarkerId> markers;       ///< rising
   IndexedVector<MarkerIndex, double> stated_sizes_m;  ///< by markers.toml
   IndexedVector<MarkerIndex, double> size_sigmas;     ///< how sure these are, as a share of them
+  IndexedVector<MarkerIndex, std::string> groups;     ///< what moves together; empty: not stated
   IndexedVector<FrameSetIndex, ObservedFrameSet> frame_sets;
   /// The usable ones, then those of an id that was found twice in one image: neither of the two can
   /// be trusted, but a finished map may tell which of them is right. Both by rising frame set.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/marker/marker_layout.h"
 
@@ -19,6 +20,9 @@ constexpr double kNameStrip_mm = 7;
 constexpr double kText_mm = 3;
 /// By which the parts of a large marker overlap, to be glued.
 constexpr double kGlue_mm = 10;
+
+/// A smaller part of a marker is no help to anybody who glues it.
+constexpr double kSmallestPart_mm = 40;
 
 /// A marker with the paper that belongs to it.
 struct Block {
@@ -56,7 +60,10 @@ Grid grid_on(const Paper& paper, const Block& block) {
 }
 
 void add_ruler(Sheet& sheet) {
-  const double long_mm = sheet.paper.width_mm >= 200 + 2 * kEdge_mm ? 200 : 100;
+  double long_mm = 20;
+  for (const double mm : {50.0, 100.0, 200.0}) {
+    if (sheet.paper.width_mm >= mm + 2 * kEdge_mm) long_mm = mm;
+  }
   const double left = (sheet.paper.width_mm - long_mm) / 2;
   const double y = sheet.paper.height_mm - kEdge_mm - 4;
   sheet.lines.push_back({left, y, left + long_mm, y});
@@ -144,10 +151,13 @@ void lay_out_grid(const MarkerBatch& batch, const Paper& paper, const Grid& grid
   }
 }
 
-/// One marker on several sheets: each shows a window of it.
-void lay_out_parts(const MarkerBatch& batch, int number, const Paper& paper,
-                   std::vector<Sheet>& sheets) {
-  const Block block = block_of(batch);
+/// How a marker that is larger than a sheet is shown: windows of one size, in a grid.
+struct Parts {
+  Box window;
+  Grid grid;
+};
+
+Parts parts_of(const Block& block, const Paper& paper) {
   const double margin = 2 * kEdge_mm;
   const Box window{margin, margin, paper.width_mm - 2 * margin,
                    paper.height_mm - kRulerStrip_mm - kNameStrip_mm - 2 * margin};
@@ -155,8 +165,16 @@ void lay_out_parts(const MarkerBatch& batch, int number, const Paper& paper,
     const double step = window_mm - kGlue_mm;
     return std::max(1, static_cast<int>(std::ceil((block.width_mm() - kGlue_mm) / step)));
   };
-  const int columns = parts(window.width_mm);
-  const int rows = parts(window.height_mm);
+  if (std::min(window.width_mm, window.height_mm) < kSmallestPart_mm) return {window, {}};
+  return {window, {parts(window.width_mm), parts(window.height_mm)}};
+}
+
+/// One marker on several sheets: each shows a window of it.
+void lay_out_parts(const MarkerBatch& batch, int number, const Paper& paper,
+                   std::vector<Sheet>& sheets) {
+  const Block block = block_of(batch);
+  const auto [window, grid] = parts_of(block, paper);
+  const auto [columns, rows] = grid;
   for (int row = 0; row < rows; ++row) {
     for (int column = 0; column < columns; ++column) {
       Sheet sheet = empty_sheet(paper);
@@ -176,17 +194,56 @@ void lay_out_parts(const MarkerBatch& batch, int number, const Paper& paper,
   }
 }
 
+/// Where a batch's markers go: several a sheet, or each on several.
+struct Plan {
+  Paper paper;
+  Grid grid;   ///< of markers on a sheet; none where one fits on none
+  Grid parts;  ///< of sheets with one marker, then; none where the paper is too small for that
+};
+
+Plan plan_of(const MarkerBatch& batch, const Paper& paper) {
+  const Block block = block_of(batch);
+  const Grid upright = grid_on(paper, block);
+  const Grid turned = grid_on(paper.turned(), block);
+  const bool turn = turned.count() > upright.count();
+  Plan plan{turn ? paper.turned() : paper, turn ? turned : upright, {}};
+  if (plan.grid.count() == 0) plan = {paper, {}, parts_of(block, paper).grid};
+  return plan;
+}
+
+/// nullopt where the paper is too small.
+std::optional<double> sheets_of(const MarkerBatch& batch, const Plan& plan) {
+  const auto markers = static_cast<double>(batch.numbers.size());
+  if (plan.grid.count() > 0) return std::ceil(markers / plan.grid.count());
+  if (plan.parts.count() == 0) return std::nullopt;
+  return markers * plan.parts.columns * plan.parts.rows;
+}
+
 }  // namespace
 
-std::vector<Sheet> lay_out(const std::vector<MarkerBatch>& batches, const Paper& paper) {
+Expected<std::vector<Sheet>> lay_out(const std::vector<MarkerBatch>& batches, const Paper& paper) {
+  double count = 0;
+  for (const MarkerBatch& batch : batches) {
+    const auto some = sheets_of(batch, plan_of(batch, paper));
+    if (!some) {
+      return fail(ErrorKind::usage,
+                  "--paper: {:g} x {:g} mm is too small for markers of {:g} m, and for parts of "
+                  "them to glue; take larger paper or smaller markers",
+                  paper.width_mm, paper.height_mm, batch.size_m);
+    }
+    count += *some;
+  }
+  if (count > kMostSheets) {
+    return fail(ErrorKind::usage,
+                "print: {:.0f} sheets of {:g} x {:g} mm, at most {} go into a PDF; take larger "
+                "paper, or print ids in several turns",
+                count, paper.width_mm, paper.height_mm, kMostSheets);
+  }
   std::vector<Sheet> sheets;
   for (const MarkerBatch& batch : batches) {
-    const Block block = block_of(batch);
-    const Grid upright = grid_on(paper, block);
-    const Grid turned = grid_on(paper.turned(), block);
-    if (std::max(upright.count(), turned.count()) > 0) {
-      const bool turn = turned.count() > upright.count();
-      lay_out_grid(batch, turn ? paper.turned() : paper, turn ? turned : upright, sheets);
+    const Plan plan = plan_of(batch, paper);
+    if (plan.grid.count() > 0) {
+      lay_out_grid(batch, plan.paper, plan.grid, sheets);
       continue;
     }
     for (const int number : batch.numbers) lay_out_parts(batch, number, paper, sheets);

@@ -41,8 +41,8 @@ TEST(CameraSigmas, DefaultsAreAsDocumented) {
 }
 
 TEST(CameraSigmas, CircumstancesTell) {
-  const CameraSigmas sigmas = default_sigmas(SigmaSource::kalibr, 0.015, {true, true});
-  EXPECT_EQ(sigmas.edge_px, 0.02);
+  const CameraSigmas sigmas = default_sigmas(SigmaSource::kalibr, 0.015, {true});
+  EXPECT_EQ(sigmas.edge_px, 0.2) << "nothing but images tells how a sensor encodes light";
   EXPECT_EQ(sigmas.stamp_s, 2e-5);
   EXPECT_DOUBLE_EQ(sigmas.readout_s, 3e-4);
   EXPECT_EQ(default_sigmas(SigmaSource::kalibr, 0.0, {}).readout_s, 0);

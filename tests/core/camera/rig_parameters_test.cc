@@ -89,6 +89,43 @@ TEST(RigParameters, ACameraAloneHasItsOwnNumbers) {
   EXPECT_EQ(covariance(0, 0), 14) << "the focal length stands behind six of cam1's place";
 }
 
+// Rig files whose sigmas contradict each other are refused (kalibr_sigmas.h).
+TEST(RigParameters, WhatIsStatedAnewIsInTheJointSigmasToo) {
+  for (const CameraQuantity quantity : {CameraQuantity::edge, CameraQuantity::position,
+                                        CameraQuantity::principal, CameraQuantity::stamp}) {
+    Rig rig = two_cameras();
+    const auto all = rig_parameters(rig);
+    const auto size = static_cast<Eigen::Index>(all.size());
+    const Eigen::MatrixXd before =
+        Eigen::MatrixXd::Identity(size, size) + Eigen::MatrixXd::Constant(size, size, 0.5);
+    rig.joint_sigmas = before;
+    state_sigma(1, quantity, 0.005, rig);
+    EXPECT_EQ(sigma_of({1, quantity, 0}, sigmas_of(rig.cameras[1])), 0.005);
+    const Eigen::MatrixXd after = rig_covariance(rig);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      for (Eigen::Index j = 0; j < size; ++j) {
+        const auto anew = [&](Eigen::Index k) {
+          const RigParameter& one = all[static_cast<std::size_t>(k)];
+          return one.camera == 1 && one.quantity == quantity;
+        };
+        const double expected = i == j ? 0.005 * 0.005 : 0;
+        EXPECT_EQ(after(i, j), anew(i) || anew(j) ? expected : before(i, j));
+      }
+    }
+  }
+}
+
+TEST(RigParameters, JointSigmasOfOtherNumbersAreDropped) {
+  Rig rig = two_cameras();
+  const auto size = static_cast<Eigen::Index>(rig_parameters(rig).size());
+  rig.joint_sigmas = Eigen::MatrixXd::Identity(size, size);
+  drop_unfit_joint_sigmas(rig);
+  EXPECT_TRUE(rig.joint_sigmas);
+  rig.joint_sigmas = Eigen::MatrixXd::Identity(size - 1, size - 1);
+  drop_unfit_joint_sigmas(rig);
+  EXPECT_FALSE(rig.joint_sigmas);
+}
+
 TEST(RigParameters, AnExactRigIsOne) {
   const Rig rig = stated_exact(two_cameras());
   EXPECT_LT(rig_covariance(rig).cwiseAbs().maxCoeff(), 1e-17);

@@ -39,25 +39,51 @@ TEST_F(DetectionsCsvText, WrittenTextReadsBackToTheSame) {
   EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "opencv+lines/1"), text);
 }
 
-TEST_F(DetectionsCsvText, MeasuredEdgesHeadTheFileAndComeBack) {
+TEST_F(DetectionsCsvText, HowCornersWereMovedFollowsTheFirstLineAndComesBack) {
   const DetectionsTable table =
       good("t_ns,camera,marker_id,x0,y0,x1,y1,x2,y2,x3,y3\n5,cam0,3,1,1,2,1,2,2,1,2\n");
-  EXPECT_TRUE(table.edges.empty());
+  EXPECT_TRUE(table.moves.empty());
+  const EdgeMeasurement measured{0.25, 0.0125, SensorResponse::srgb};
   const std::string text =
-      format_detections_csv(table.images, rig_, catalog_, "x",
-                            {std::nullopt, EdgeMeasurement{0.25, 0.0125, SensorResponse::srgb}});
-  EXPECT_TRUE(text.starts_with(
-      "# edges camera=cam1 bias_px=0.2500 sigma_px=0.0125 response=srgb\n# detector=x"))
+      format_detections_csv(table.images, rig_, catalog_, "x", {{}, {0.25, measured}});
+  EXPECT_TRUE(
+      text.starts_with("# detector=x markers=" + catalog_.fingerprint() +
+                       "\n# edges camera=cam0 moved_px=0\n"
+                       "# edges camera=cam1 bias_px=0.2500 sigma_px=0.0125 response=srgb\nt_ns,"))
       << text;
   const DetectionsTable again = good(text);
   EXPECT_EQ(again.detector, "x");
-  ASSERT_EQ(again.edges.size(), rig_.cameras.size());
-  EXPECT_FALSE(again.edges[0]);
-  ASSERT_TRUE(again.edges[1]);
-  EXPECT_EQ(again.edges[1]->bias_px, 0.25);
-  EXPECT_EQ(again.edges[1]->response, SensorResponse::srgb);
+  ASSERT_EQ(again.moves.size(), rig_.cameras.size());
+  ASSERT_TRUE(again.moves[0]);
+  EXPECT_FALSE(again.moves[0]->measured);
+  ASSERT_TRUE(again.moves[1] && again.moves[1]->measured);
+  EXPECT_EQ(again.moves[1]->measured->bias_px, 0.25);
+  EXPECT_EQ(again.moves[1]->measured->response, SensorResponse::srgb);
   EXPECT_EQ(format_detections_csv(again.images, rig_, catalog_, "x"),
             format_detections_csv(table.images, rig_, catalog_, "x"));
+}
+
+// As it was before: lines on edges first, and none of cameras that were not measured.
+TEST_F(DetectionsCsvText, EdgesMayComeFirst) {
+  const std::string plain = format_detections_csv({}, rig_, catalog_, "x");
+  const std::string line = "# edges camera=cam1 bias_px=0.2500 sigma_px=0.0125 response=open\n";
+  const DetectionsTable table = good(line + plain);
+  ASSERT_EQ(table.moves.size(), 2U);
+  EXPECT_FALSE(table.moves[0]);
+  EXPECT_TRUE(table.moves[1]);
+}
+
+TEST_F(DetectionsCsvText, TwoLinesOnOneCamerasEdgesAreRefused) {
+  const std::string plain = format_detections_csv({}, rig_, catalog_, "x");
+  const std::string measured = "# edges camera=cam1 bias_px=0.2 sigma_px=0.01 response=open\n";
+  const std::string stated = "# edges camera=cam1 moved_px=0\n";
+  for (const auto& [one, other] :
+       {std::pair{measured, measured}, {measured, stated}, {stated, stated}}) {
+    const auto table = read(plain + one + other);
+    ASSERT_FALSE(table);
+    EXPECT_EQ(table.error().exit_code(), 65);
+    EXPECT_THAT(table.error().message, HasSubstr("a second line on the edges of cam1"));
+  }
 }
 
 TEST_F(DetectionsCsvText, NeedleShapedCovariancesSurviveWriting) {

@@ -81,6 +81,28 @@ TEST(CalibrationPrior, OfTheMapsOwnCalibrationCamerasErrAsItsMarkersDo) {
   EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(prior.covariance()).info(), Eigen::Success);
 }
 
+TEST(CalibrationPrior, EdgesThatTheMapAloneMeasuredAreTheRigsOwn) {
+  for (const double sigma_px : {0.005, 0.01, 0.05, 0.1, 0.2}) {
+    SubMap map = considered_map(rig());
+    const auto edge = std::find_if(map.parameters.begin(), map.parameters.end(),
+                                   [](const auto& one) { return one.name == "cam0 edge bias"; });
+    ASSERT_NE(edge, map.parameters.end());
+    const auto at = edge - map.parameters.begin();
+    map.parameter_covariance.row(at).setZero();
+    map.parameter_covariance.col(at).setZero();
+    map.parameter_covariance(at, at) = sigma_px * sigma_px;
+    const bool measured = sigma_px < 0.08;
+    EXPECT_EQ(knows_edges_better(map, rig(), 0), measured) << sigma_px;
+    const CalibrationPrior prior(rig(), {}, map, true);
+    EXPECT_NEAR(std::sqrt(prior.variances_of(0)[kEdge]), measured ? 0.2 : sigma_px, 1e-5);
+    EXPECT_NEAR(std::sqrt(prior.variances_of(0)[kFocal]), 0.5 * 0.001, 1e-7);
+    EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(prior.covariance()).info(), Eigen::Success);
+    Rig stating = rig();
+    state_sigma(0, CameraQuantity::edge, sigma_px, stating);
+    EXPECT_FALSE(knows_edges_better(map, stating, 0)) << "the rig that states what was measured";
+  }
+}
+
 TEST(CalibrationPrior, IsOfTheMapOnlyWhereNumbersAndSerialsAre) {
   const SubMap map = considered_map(rig());
   const std::string of_rig = fingerprint(rig());

@@ -106,6 +106,21 @@ TEST(MapCheck, CovariancesAreSymmetricAndPositiveSemidefinite) {
               HasSubstr("not finite"));
 }
 
+// Modes have variance 1, so that a covariance with one is a sigma at most.
+TEST(MapCheck, NoParameterHasMoreInCommonWithAModeThanItsSigma) {
+  for (const double share : {0.5, 1.0, -1.0, 1.01, -3.0, 1e6}) {
+    for (const Eigen::Index mode : {0, kMapModes - 1}) {
+      MarkerMap map = test::considered_small_map();
+      SubMap& submap = map.submaps[0];
+      submap.parameters[0].cross[mode] = share * std::sqrt(submap.parameter_covariance(0, 0));
+      const auto checked = check_map(map);
+      EXPECT_EQ(checked.has_value(), std::abs(share) <= 1) << share;
+      if (checked) continue;
+      EXPECT_THAT(checked.error().message, HasSubstr("more in common with modes"));
+    }
+  }
+}
+
 TEST(MapCheck, CountsAndRmsAreInRange) {
   EXPECT_THAT(marker_verdict([](MapMarker& m) { m.observations = 0x80000000; }),
               HasSubstr("observations"));

@@ -45,6 +45,52 @@ TEST(MarkerCatalog, SizesByDefaultRangeAndList) {
   EXPECT_EQ(catalog.size_m(tag(221)), 0.30);
 }
 
+TEST(MarkerCatalog, WhatMovesTogetherIsAGroup) {
+  const MarkerCatalog catalog = parsed(
+      "[[markers]]\nfamily = \"tag36h11\"\nsize_m = 0.3\n"
+      "[[markers.sizes]]\nids = \"7-8\"\nsize_m = 0.1\ngroup = \"shelf 12\"\n"
+      "[[markers.sizes]]\nids = [9]\nsize_m = 0.1\ngroup = 'Tür \"A\" \\'\n"
+      "[[markers.sizes]]\nids = [10]\nsize_m = 0.1\n"
+      "[[markers]]\nfamily = \"tag25h9\"\n"
+      "[[markers.sizes]]\nids = [1]\nsize_m = 0.1\ngroup = \"shelf 12\"\n");
+  for (const MarkerCatalog& one : {catalog, parsed(format_marker_catalog(catalog))}) {
+    EXPECT_EQ(one.group(tag(7)), "shelf 12");
+    EXPECT_EQ(one.group(tag(8)), "shelf 12");
+    EXPECT_EQ(one.group(tag(9)), "Tür \"A\" \\");
+    EXPECT_EQ(one.group(tag(10)), "");
+    EXPECT_EQ(one.group(tag(0)), "");
+    EXPECT_EQ(one.group({Family::tag25h9, 1}), "shelf 12");
+    EXPECT_EQ(one.size_m(tag(7)), 0.1);
+  }
+  EXPECT_EQ(catalog.fingerprint(), parsed("[[markers]]\nfamily = \"tag36h11\"\nsize_m = 0.3\n"
+                                          "[[markers.sizes]]\nids = \"7-10\"\nsize_m = 0.1\n"
+                                          "[[markers]]\nfamily = \"tag25h9\"\n"
+                                          "[[markers.sizes]]\nids = [1]\nsize_m = 0.1\n")
+                                       .fingerprint())
+      << "no detection depends on it";
+}
+
+TEST(MarkerCatalog, AGroupIsAShortPrintableText) {
+  const auto with = [](std::string_view ids, std::string_view group) {
+    return parse_marker_catalog(
+        fmt::format("[markers]\nfamily = \"tag36h11\"\n"
+                    "[[markers.sizes]]\nids = \"7-8\"\nsize_m = 1\ngroup = \"a\"\n"
+                    "[[markers.sizes]]\nids = \"{}\"\nsize_m = 1\ngroup = {}\n",
+                    ids, group),
+        "markers.toml");
+  };
+  EXPECT_TRUE(with("9", fmt::format("\"{:x<80}\"", "")));
+  for (const std::string_view group :
+       {"12", "\"\"", "\"a\\nb\"", "\"\\u001b[2J\"", "[\"a\"]", "true"}) {
+    const auto read = with("9", group);
+    ASSERT_FALSE(read) << group;
+    EXPECT_EQ(read.error().exit_code(), 65);
+    EXPECT_THAT(read.error().message, HasSubstr("group must be"));
+  }
+  EXPECT_FALSE(with("9", fmt::format("\"{:x<81}\"", "")));
+  EXPECT_FALSE(with("8-9", "\"b\"")) << "8 in two groups";
+}
+
 TEST(MarkerCatalog, SizesHaveSigmas) {
   const MarkerCatalog catalog = parsed(
       "[markers]\nfamily = \"tag36h11\"\nsize_m = 0.3\nsize_sigma_m = 0.001\n"

@@ -5,10 +5,13 @@
 
 #include <sstream>
 
+#include "core/camera/rig_fingerprint.h"
 #include "core/capture/detections_csv_text.h"
 #include "core/capture/pgm.h"
+#include "core/estimate/consider_parameters.h"
 #include "core/geometry/tum.h"
 #include "core/map/map_file.h"
+#include "core/marker/marker_outline.h"
 #include "tests/support/room_capture.h"
 #include "tests/support/room_map.h"
 
@@ -195,6 +198,60 @@ TEST_F(ReplayCommand, ImagesThatCanNotBeUsedAreSaid) {
   const Status some = run("some.tum");
   ASSERT_TRUE(some) << some.error().message;
   EXPECT_NE(notes_.str().find("images left out; the first: "), std::string::npos) << notes_.str();
+}
+
+/// The room's map by this rig's calibration, built with edges as sure as that (px).
+MarkerMap map_with_edges(const test::SyntheticRoom& room, double sigma_px) {
+  MarkerMap map = test::room_map(room);
+  map.rig_fingerprint = fingerprint(room.rig);
+  SubMap& submap = map.submaps[0];
+  for (MapMarker& marker : submap.markers) {
+    marker.covariance = marker.covariance_metric = 1e-8 * Matrix6d::Identity();
+  }
+  const std::span<const Rig> rigs(&room.rig, 1);
+  const ConsiderParameters all =
+      consider_parameters(rigs, std::vector<StatedSize>{{submap.markers[0].size_m, 0.001}});
+  submap.parameters.clear();
+  submap.parameter_covariance = all.covariance;
+  for (Eigen::Index i = 0; i < all.count(); ++i) {
+    const ConsiderParameter& one = all.all[static_cast<std::size_t>(i)];
+    submap.parameters.emplace_back().name = name_of(one, rigs);
+    if (one.is_size() || one.of_rig.quantity != CameraQuantity::edge) continue;
+    submap.parameter_covariance.row(i).setZero();
+    submap.parameter_covariance.col(i).setZero();
+    submap.parameter_covariance(i, i) = sigma_px * sigma_px;
+  }
+  return map;
+}
+
+// Images of a webcam show its edges up to 0.4 px inside the black.
+TEST_F(ReplayCommand, MeasuredEdgesThatTheRigFileLacksAreWarnedOfAndPosesContainThem) {
+  for (RigCamera& camera : room_.rig.cameras) camera.stated_sigmas = {};
+  const auto written = write_map_file(folder_.path() / "room.map", map_with_edges(room_, 0.005));
+  ASSERT_TRUE(written) << written.error().message;
+  for (const double inside_px : {0.0, 0.2, 0.354, 0.4}) {
+    test::SyntheticRoom seen = room_;
+    for (ImageDetections& image : seen.images) {
+      for (Detection& detection : image.detections) move_sides_in(inside_px, detection.corners);
+    }
+    test::write_room_capture(folder_, seen);
+    out_.str("");
+    notes_.str("");
+    ASSERT_TRUE(run("a.tum"));
+    EXPECT_THAT(out_.str(), HasSubstr(" 0 AMBIGUOUS, 0 LOST\n")) << inside_px;
+    EXPECT_THAT(notes_.str(), HasSubstr("warning: "));
+    EXPECT_THAT(notes_.str(), HasSubstr("edges are seen by cam0, cam1, cam2 was measured"));
+    EXPECT_THAT(notes_.str(), HasSubstr("room.yaml"));
+    EXPECT_THAT(notes_.str(), testing::Not(HasSubstr("set "))) << "nobody is accused";
+  }
+  for (RigCamera& camera : room_.rig.cameras) {
+    camera.edge_bias_px = 0;
+    camera.stated_sigmas.edge_px = 0.005;
+  }
+  test::write_room_capture(folder_, room_);
+  notes_.str("");
+  ASSERT_TRUE(run("a.tum"));
+  EXPECT_THAT(notes_.str(), testing::Not(HasSubstr("warning")));
 }
 
 TEST_F(ReplayCommand, SumsUpWhyPosesAreNotOk) {

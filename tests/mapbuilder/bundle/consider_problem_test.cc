@@ -58,6 +58,29 @@ TEST_F(ConsideredProblem, NothingWasEstimatedUnlessTheScopeSaysSo) {
   }
 }
 
+// A calibration that states all of its errors together knew nothing of the images' edges.
+TEST(ConsiderProblem, MeasuredEdgesAreAsSureAsImagesTellWhateverTheRigStates) {
+  for (const bool jointly : {false, true}) {
+    test::SyntheticRoom made = test::make_room(small_room());
+    for (RigCamera& camera : made.rig.cameras) camera.stated_sigmas.edge_px = 0.2;
+    if (jointly) made.rig.joint_sigmas = rig_covariance(made.rig);
+    const test::PreparedRoom room(made, [](Observations& observations) {
+      for (auto& edges : observations.edges) edges = EdgeMeasurement{0.354, 0.005, {}};
+    });
+    BundleProblem of_room = test::bundle_of(room);
+    of_room.constant = {};
+    const ConsiderProblem problem(of_room, room.truth, 1);
+    int edges = 0;
+    for (Eigen::Index i = 0; i < problem.parameters().count(); ++i) {
+      const ConsiderParameter& one = problem.parameters().all[static_cast<std::size_t>(i)];
+      if (one.is_size() || one.of_rig.quantity != CameraQuantity::edge) continue;
+      ++edges;
+      EXPECT_NEAR(std::sqrt(problem.parameters().covariance(i, i)), 0.005, 1e-12) << jointly;
+    }
+    EXPECT_EQ(edges, 3);
+  }
+}
+
 TEST(ConsiderProblem, ASizeMovesWhatItsFactorMoves) {
   // Markers and sizes grown together leave one camera's images as they are: N d + M e = 0.
   test::RoomOptions options = small_room();

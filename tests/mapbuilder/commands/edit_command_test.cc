@@ -57,6 +57,16 @@ TEST_F(EditCommand, ReplacesTheMapItselfWholeOrNotAtAll) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 1);
 }
 
+TEST_F(EditCommand, WhatChangesNothingLeavesAQuarantineAsItIs) {
+  MarkerMap map = test::small_map();
+  for (MapMarker& marker : map.submaps.front().markers) marker.verified = true;
+  ASSERT_TRUE(write_map_file(path("a.map"), map));
+  ASSERT_TRUE(edit({{}, {}, {}, {}, {"3"}}));
+  EXPECT_EQ(content_hash(*read_map_file(path("b.map"))), content_hash(map));
+  EXPECT_THAT(out_.str(), HasSubstr("map " + content_hash(map) + " as before"));
+  EXPECT_THAT(out_.str(), testing::Not(HasSubstr("does not hold")));
+}
+
 TEST_F(EditCommand, SaysWhichWereVerifiedBefore) {
   ASSERT_TRUE(edit({{}, {}, {}, {}, {"3,586"}}));
   EXPECT_EQ(notes_.str(), "note: verified before: 3\n");

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "core/camera/kalibr.h"
+#include "core/camera/rig_parameters.h"
 #include "tests/support/synthetic_room.h"
 #include "tests/support/temporary_folder.h"
 
@@ -54,9 +55,32 @@ TEST_F(ImprovedRig, StandsBesideTheMapAndTakesAnEarlierOnesPlace) {
   EXPECT_EQ(notes_.str(), "");
 }
 
+// What a calibration says of all its numbers together, says of edges what images told since.
+TEST_F(ImprovedRig, IsReadBackWhateverTheRigStatesOfItsErrors) {
+  for (const bool stated : {false, true}) {
+    Rig& rig = result_.estimate.calibration.rigs[RigIndex(0)];
+    const auto count = static_cast<Eigen::Index>(rig_parameters(rig).size());
+    rig.joint_sigmas = Eigen::MatrixXd::Identity(count, count);
+    for (RigCamera& camera : rig.cameras) camera.stated_sigmas = {};
+    if (stated) {
+      for (RigCamera& camera : rig.cameras) camera.stated_sigmas.edge_px = 1;
+    }
+    ASSERT_TRUE(write());
+    const auto back = read_camchain(folder_.path() / "hall.yaml");
+    ASSERT_TRUE(back) << back.error().message;
+    ASSERT_TRUE(back->rig.joint_sigmas);
+    EXPECT_EQ(back->rig.cameras[1].stated_sigmas.edge_px, 0.0125);
+  }
+}
+
 TEST_F(ImprovedRig, LeavesEveryOtherFileThere) {
   const std::string own = format_camchain(test::ring_rig(2));
-  for (const std::string& text : {std::string("mine: 1\n"), std::string(), own}) {
+  const std::string measured =
+      format_camchain(improved_rig(RigIndex(0), result_.estimate.calibration, observations_));
+  ASSERT_TRUE(write());
+  const std::string edited = folder_.read("hall.yaml") + "# mine\n";
+  for (const std::string& text :
+       {std::string("mine: 1\n"), std::string(), own, measured, edited, std::string("\n")}) {
     notes_.str("");
     folder_.write("hall.yaml", text);
     ASSERT_TRUE(write());

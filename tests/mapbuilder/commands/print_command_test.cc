@@ -137,6 +137,26 @@ TEST_F(PrintedMarkers, AnotherSizeThanMarkersTomlStatesIsRefused) {
   }
 }
 
+TEST_F(PrintedMarkers, WhatMarkersTomlStatesAsInvertedIsNotPrintedTheOtherWay) {
+  const std::string toml = "[markers]\nfamily = \"tag36h11\"\nsize_m = 0.16\n";
+  for (const bool inverted : {true, false}) {
+    folder_.write("markers.toml", toml + (inverted ? "inverted = true\n" : "inverted = false\n"));
+    const auto printed = print({{"tag36h11"}, {"17"}, {0.16}, "a4", {}});
+    EXPECT_EQ(printed.has_value(), !inverted);
+    if (!printed) {
+      EXPECT_EQ(printed.error().kind, ErrorKind::bad_data);
+    }
+    EXPECT_EQ(std::filesystem::exists(folder_.path() / "markers.pdf"), !inverted);
+  }
+}
+
+TEST(PrintAdvice, NeedsARange) {
+  std::ostringstream out;
+  const auto advice = run_print_advice({true, "rig.yaml", std::nullopt}, out, out);
+  ASSERT_FALSE(advice);
+  EXPECT_NE(advice.error().message.find("--range-m, the farthest"), std::string::npos);
+}
+
 struct BadOrder {
   const char* name;
   PrintOptions options;
@@ -164,31 +184,39 @@ std::string many_ranges() {
 
 INSTANTIATE_TEST_SUITE_P(
     All, BadOrders,
-    testing::Values(BadOrder{"UnknownFamily", {{"tag99"}, {"0"}, {0.1}, "a4", {}}, "one of"},
-                    BadOrder{"NoIds", {{"tag36h11"}, {}, {0.1}, "a4", {}}, "give --ids"},
-                    BadOrder{"NoFamily", {{}, {"0"}, {0.1}, "a4", {}}, "give --ids"},
-                    BadOrder{"NoSize", {{"tag36h11"}, {"0"}, {}, "a4", {}}, "give --ids"},
-                    BadOrder{"TwoSizesForThreeIds",
-                             {{"tag36h11"}, {"0", "1", "2"}, {0.1, 0.2}, "a4", {}},
-                             "as often as"},
-                    BadOrder{"IdBeyond", {{"tag36h11"}, {"587"}, {0.1}, "a4", {}}, "0 to 586"},
-                    BadOrder{"IdsNoNumbers", {{"tag36h11"}, {"a-b"}, {0.1}, "a4", {}}, "no range"},
-                    BadOrder{"EmptyIds", {{"tag36h11"}, {""}, {0.1}, "a4", {}}, "no range"},
-                    BadOrder{"SizeInMm", {{"tag36h11"}, {"0"}, {160}, "a4", {}}, "within"},
-                    BadOrder{"SizeNan", {{"tag36h11"}, {"0"}, {std::nan("")}, "a4", {}}, "within"},
-                    BadOrder{"TwoSizesOfOneId",
-                             {{"tag36h11"}, {"0-5", "3"}, {0.1, 0.2}, "a4", {}},
-                             "two sizes"},
-                    BadOrder{"IdTwice",
-                             {{"tag36h11"}, {"0-5,3"}, {0.1}, "a4", {}},
-                             "tag36h11 3 is named twice"},
-                    BadOrder{"IdInTwoBatches",
-                             {{"tag36h11"}, {"0-5", "3"}, {0.1}, "a4", {}},
-                             "tag36h11 3 is named twice"},
-                    BadOrder{"AllIdsAgainAndAgain",
-                             {{"tag36h11"}, {many_ranges()}, {0.1}, "a4", {}},
-                             "tag36h11 0 is named twice"},
-                    BadOrder{"UnknownPaper", {{"tag36h11"}, {"0"}, {0.1}, "a9", {}}, "--paper"}),
+    testing::Values(
+        BadOrder{"UnknownFamily", {{"tag99"}, {"0"}, {0.1}, "a4", {}}, "one of"},
+        BadOrder{"NoIds", {{"tag36h11"}, {}, {0.1}, "a4", {}}, "give --ids"},
+        BadOrder{"NoFamily", {{}, {"0"}, {0.1}, "a4", {}}, "give --ids"},
+        BadOrder{"NoSize", {{"tag36h11"}, {"0"}, {}, "a4", {}}, "give --ids"},
+        BadOrder{"TwoSizesForThreeIds",
+                 {{"tag36h11"}, {"0", "1", "2"}, {0.1, 0.2}, "a4", {}},
+                 "as often as"},
+        BadOrder{"IdBeyond", {{"tag36h11"}, {"587"}, {0.1}, "a4", {}}, "0 to 586"},
+        BadOrder{"IdsNoNumbers", {{"tag36h11"}, {"a-b"}, {0.1}, "a4", {}}, "no range"},
+        BadOrder{"EmptyIds", {{"tag36h11"}, {""}, {0.1}, "a4", {}}, "no range"},
+        BadOrder{"SizeInMm", {{"tag36h11"}, {"0"}, {160}, "a4", {}}, "within"},
+        BadOrder{"SizeNan", {{"tag36h11"}, {"0"}, {std::nan("")}, "a4", {}}, "within"},
+        BadOrder{
+            "TwoSizesOfOneId", {{"tag36h11"}, {"0-5", "3"}, {0.1, 0.2}, "a4", {}}, "two sizes"},
+        BadOrder{
+            "IdTwice", {{"tag36h11"}, {"0-5,3"}, {0.1}, "a4", {}}, "tag36h11 3 is named twice"},
+        BadOrder{"IdInTwoBatches",
+                 {{"tag36h11"}, {"0-5", "3"}, {0.1}, "a4", {}},
+                 "tag36h11 3 is named twice"},
+        BadOrder{"AllIdsAgainAndAgain",
+                 {{"tag36h11"}, {many_ranges()}, {0.1}, "a4", {}},
+                 "tag36h11 0 is named twice"},
+        BadOrder{"FamilyWithinAnother",
+                 {{"aruco_4x4_50", "aruco_4x4_1000"}, {"0", "60"}, {0.1}, "a4", {}},
+                 "codes in common"},
+        BadOrder{
+            "AnotherWithinIt",
+            {{"aruco_5x5_1000", "tag36h11", "aruco_5x5_100"}, {"0", "1", "2"}, {0.1}, "a4", {}},
+            "codes in common"},
+        BadOrder{"PaperForNoPart", {{"tag36h11"}, {"0"}, {0.1}, "54x54", {}}, "small"},
+        BadOrder{"TooManySheets", {{"tagstandard52h13"}, {"0-48713"}, {0.16}, "a4", {}}, "sheets"},
+        BadOrder{"UnknownPaper", {{"tag36h11"}, {"0"}, {0.1}, "a9", {}}, "--paper"}),
     [](const auto& info) { return info.param.name; });
 
 TEST_F(PrintedMarkers, ThePdfIsNotMarkersToml) {

@@ -71,6 +71,34 @@ TEST(BaselineScale, SoundAndDisplacedCamerasAreNoScale) {
   }
 }
 
+// Of several cameras: of two, one that stands elsewhere along its baseline is the same.
+TEST(BaselineScale, LittleOfItComesBeforeSeveralCamerasAndNoCameraPassesForIt) {
+  constexpr double kGainOverCameras = 4;
+  for (const test::RigKind& kind : test::kRigKinds) {
+    if (kind.cameras < 3) continue;
+    const Rig stated = test::rig_of(kind);
+    const Eigen::MatrixXd covariance = 0.04 * covariance_of(stated);
+    for (const double factor : {0.97, 1.03}) {
+      SCOPED_TRACE(testing::Message() << kind.name << " x " << factor);
+      const Rig fitted = shaken(with_baselines(stated, factor), 0.0001, 1);
+      const auto scale = baseline_scale(stated, fitted, covariance, kGainOverCameras);
+      ASSERT_TRUE(scale);
+      EXPECT_NEAR(scale->factor, factor, 4 * scale->sigma);
+    }
+    Rig displaced = stated;
+    Eigen::Vector3d& at = displaced.cameras[1].rig_from_cam.translation;
+    at += 0.004 * (at - stated.cameras[0].rig_from_cam.translation).normalized();
+    EXPECT_FALSE(baseline_scale(stated, displaced, covariance, kGainOverCameras)) << kind.name;
+  }
+}
+
+TEST(BaselineScale, FactorsThatAreUnitsAreToldAsSuch) {
+  EXPECT_THAT(sizes_against_baselines({1000.6, 1}), HasSubstr("1001 times too large"));
+  EXPECT_THAT(sizes_against_baselines({1000.6, 1}), HasSubstr("sizes in mm"));
+  EXPECT_THAT(sizes_against_baselines({0.0101, 1e-5}), HasSubstr("baselines in cm"));
+  EXPECT_THAT(sizes_against_baselines({1.2, 0.01}), HasSubstr("20.0 ± 1.0 % too large"));
+}
+
 TEST(BaselineScale, NothingKnownTellsNothing) {
   const Rig rig = test::rig_of(test::kRigKinds[0]);
   EXPECT_FALSE(baseline_scale(rig, with_baselines(rig, 1.2), Eigen::MatrixXd()));

@@ -74,6 +74,23 @@ TEST(LensCauses, NumbersInAnotherOrderAreRecognized) {
   EXPECT_THAT(why->detail, HasSubstr("[cx cy fx fy]"));
 }
 
+// fu pu fv pv and other orders put a focal length where the principal point stands.
+TEST(LensCauses, APrincipalPointOutsideOfTheImageIsAnotherOrder) {
+  const CameraParameters true_one = webcam();
+  CameraParameters stated = true_one;
+  std::swap(stated.fv_px, stated.pu_px);
+  CameraParameters other = true_one;
+  std::swap(other.fu_px, other.pv_px);
+  for (const CameraParameters& wrong : {stated, other}) {
+    if (wrong.pu_px < wrong.width_px && wrong.pv_px < wrong.height_px) continue;
+    const auto why = explain_lens(wrong, true_one);
+    ASSERT_TRUE(why);
+    EXPECT_EQ(why->cause, Cause::intrinsics);
+    EXPECT_THAT(why->detail, HasSubstr("lies outside of the image"));
+    EXPECT_THAT(why->remedy, HasSubstr("fu, fv, pu, pv"));
+  }
+}
+
 TEST(LensCauses, ImagesScaledInOneDirectionAreToldBySide) {
   for (const double squeeze : {0.75, 1.12, 1.333}) {
     CameraParameters fitted = webcam();

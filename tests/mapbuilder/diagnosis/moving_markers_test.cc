@@ -99,6 +99,35 @@ TEST_F(MovingMarkers, ABoardWithIdsOfTheWallsIsAGroupAndTheWallsStayRight) {
   }
 }
 
+// Two markers alone may agree by chance, and each is told by itself; stated ones are one cause.
+TEST_F(MovingMarkers, TwoMarkersThatAreStatedToMoveTogetherAreAGroup) {
+  for (const bool stated : {false, true}) {
+    test::SyntheticRoom room = test::noisy_room();
+    if (stated) {
+      auto entries = room.catalog.entries();
+      for (const int number : {kBoardId, kBoardId + 1}) {
+        entries.front().group_by_id.emplace(number, "trolley");
+      }
+      room.catalog = MarkerCatalog(entries);
+    }
+    carry(room, {kBoardId, kBoardId + 1}, 0.3, [&](std::size_t set) {
+      const double s = static_cast<double>(set);
+      return before_first_camera(room, {std::sin(1.7 * s) - 0.2, 0.1, 2.5 + std::cos(2.3 * s)},
+                                 0.3 * std::sin(s));
+    });
+    build(room);
+    std::size_t groups = 0;
+    for (const Finding& finding : build_.findings) {
+      groups += finding.cause == Cause::moving_group ? 1 : 0;
+    }
+    EXPECT_EQ(groups, stated ? 1U : 0U) << titles();
+    if (stated) {
+      EXPECT_EQ(build_.findings.size(), 1U) << titles();
+    }
+    EXPECT_LT(worst_distance_m(room, {kBoardId, kBoardId + 1}), 0.01);
+  }
+}
+
 TEST_F(MovingMarkers, NobodyMovesInASoundRoom) {
   build(test::noisy_room());
   expect_nobody();
