@@ -67,7 +67,8 @@ struct Config {
   } solve;
 
   struct Calibration {
-    bool online = true;  ///< what it errs by within what is stated is learnt while the vehicle drives
+    bool online =
+        true;  ///< what it errs by within what is stated is learnt while the vehicle drives
     bool operator==(const Calibration&) const = default;
   } calibration;
 

@@ -28,8 +28,8 @@ Finding finding_of(const LensExplanation& why, const CameraLens& alone, const st
   finding.subject = camera;
   finding.cameras = {camera};
   finding.captures = {capture};
-  finding.text = fmt::format("{} (images alone: {:.2f} px as stated, {:.2f} px so).",
-                             why.detail, alone.stated.joint_px, alone.fitted.joint_px);
+  finding.text = fmt::format("{} (images alone: {:.2f} px as stated, {:.2f} px so).", why.detail,
+                             alone.stated.joint_px, alone.fitted.joint_px);
   finding.remedy = why.remedy;
   finding.figures = {{"fitted", why.value, why.unit, {}}};
   return finding;
