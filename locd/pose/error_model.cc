@@ -204,13 +204,8 @@ bool ErrorModel::learn_calibration(Stamp stamp) {
   return true;
 }
 
-const Evidence& ErrorModel::evidence_of_verdicts() const {
-  // One camera alone takes part all the same.
-  return verdicts_.empty() || rig_.cameras.size() == 1 ? evidence_ : of_suspects_;
-}
-
 void ErrorModel::add_evidence(const Rigid3& world_from_rig) {
-  if (&evidence_of_verdicts() == &evidence_) {
+  if (!suspects_are_apart()) {
     evidence_.add(world_from_rig, rows_);
     return;
   }

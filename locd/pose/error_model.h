@@ -111,8 +111,14 @@ class ErrorModel {
   [[nodiscard]] bool contradicted_by_a_block(const Evidence& evidence, const Explanation& what);
   [[nodiscard]] bool contradicted_by_block(const Evidence& evidence, int age,
                                            const Explanation& what);
+  /// Whether what suspects see is kept apart. One camera alone takes part all the same.
+  [[nodiscard]] bool suspects_are_apart() const {
+    return !verdicts_.empty() && rig_.cameras.size() > 1;
+  }
   /// What says whether verdicts hold.
-  [[nodiscard]] const Evidence& evidence_of_verdicts() const;
+  [[nodiscard]] const Evidence& evidence_of_verdicts() const {
+    return suspects_are_apart() ? of_suspects_ : evidence_;
+  }
   /// A question to the explanations. Its answer takes some sets: no set shall take much longer than
   /// others.
   struct Question {
