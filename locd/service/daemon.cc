@@ -8,7 +8,6 @@
 #include <span>
 #include <utility>
 
-#include "core/base/notes.h"
 #include "core/camera/rig_fingerprint.h"
 #include "core/map/quarantine.h"
 #include "core/marker/marker_catalog.h"
