@@ -8,7 +8,6 @@
 #include <span>
 #include <utility>
 
-#include "core/base/notes.h"
 #include "core/camera/rig_fingerprint.h"
 #include "core/map/quarantine.h"
 #include "core/marker/marker_catalog.h"
@@ -118,9 +117,7 @@ int Daemon::control_descriptor() const {
 
 Status Daemon::start() {
   Parts& p = *parts_;
-  for (const std::string& warning : shown_notes(p.setup.warnings))
-    p.log.note("warning: " + warning);
-  for (const std::string& note : shown_notes(p.setup.notes)) p.log.note(note);
+  for (const std::string& line : told_of(p.setup)) p.log.note(line);
   auto control = ControlSocket::open(p.options.runtime_folder / "control");
   if (!control) return tl::make_unexpected(control.error());
   p.control.emplace(std::move(*control));
@@ -352,8 +349,7 @@ void Daemon::Parts::swap(Replacement next) {
   map = next.map.identity;
   unused.use_map(map->map_hash, std::move(next.quarantine));
   setup = std::move(next.setup);
-  for (const std::string& warning : shown_notes(setup.warnings)) log.note("warning: " + warning);
-  for (const std::string& note : shown_notes(setup.notes)) log.note(note);
+  for (const std::string& line : told_of(setup)) log.note(line);
   localization.swap_map(std::move(next.map));
   recorder.set_budget(recording_budget(setup.config.record));
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/atomic_file.h"
+#include "core/base/notes.h"
 #include "core/camera/kalibr.h"
 #include "core/camera/rig_parameters.h"
 #include "core/capture/sync_tolerance.h"
@@ -181,6 +182,15 @@ Expected<Setup> load_setup(const std::filesystem::path& path) {
   // The rig's come last: of very many only the first are shown.
   std::move(rig->notes.begin(), rig->notes.end(), std::back_inserter(setup.notes));
   return setup;
+}
+
+std::vector<std::string> told_of(const Setup& setup) {
+  std::vector<std::string> lines;
+  for (const std::string& warning : shown_notes(setup.warnings)) {
+    lines.push_back("warning: " + warning);
+  }
+  for (const std::string& note : shown_notes(setup.notes)) lines.push_back(note);
+  return lines;
 }
 
 bool same_rig(const Rig& a, const Rig& b) { return format_camchain(a) == format_camchain(b); }

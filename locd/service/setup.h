@@ -32,6 +32,9 @@ struct Setup {
 /// without transforms.
 [[nodiscard]] Expected<Setup> load_setup(const std::filesystem::path& config);
 
+/// The lines in which warnings ("warning: …") and notes are logged.
+[[nodiscard]] std::vector<std::string> told_of(const Setup& setup);
+
 /// Whether two rigs are the same in everything that cameras and localization depend on.
 [[nodiscard]] bool same_rig(const Rig& a, const Rig& b);
 
