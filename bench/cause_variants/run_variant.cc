@@ -76,9 +76,11 @@ Status localize(const Variant& variant, const fs::path& folder, std::vector<fs::
                 std::ostream& notes) {
   write_text(folder / "hall.json", variant.hand_map_json);
   std::ostringstream out;
-  if (auto imported = run_import({folder / "hall.json", folder / "map"}, out); !imported) {
-    return imported;
-  }
+  ImportOptions import;
+  import.input = folder / "hall.json";
+  import.output = folder / "map";
+  Progress silent(false);
+  if (auto imported = run_import(import, silent, out, notes); !imported) return imported;
   LocalizeOptions options;
   options.input.paths = std::move(captures);
   options.input.detect.threads = 1;
