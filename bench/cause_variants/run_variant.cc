@@ -86,7 +86,6 @@ Status localize(const Variant& variant, const fs::path& folder, std::vector<fs::
   options.input.detect.threads = 1;
   options.map = folder / "map";
   options.trajectory = folder / "trajectory.tum";
-  Progress silent(false);
   return run_localize(options, silent, out, notes);
 }
 
