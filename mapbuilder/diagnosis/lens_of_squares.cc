@@ -109,8 +109,8 @@ class LensFit {
       cost = cost_of(camera_, poses());
       const Step step = solve(damping);
       const auto camera = CameraModel::create(moved(camera_.parameters(), step.lens));
-      const double next =
-          camera ? cost_of(*camera, step.poses) : std::numeric_limits<double>::infinity();
+      const double next = camera && sees_all(*camera) ? cost_of(*camera, step.poses)
+                                                      : std::numeric_limits<double>::infinity();
       if (!(next < cost)) {
         damping *= 8;
         continue;
@@ -131,6 +131,13 @@ class LensFit {
     IntrinsicsVector lens = IntrinsicsVector::Zero();
     std::vector<Rigid3> poses;
   };
+
+  /// A lens that ends short of what was seen is not the one.
+  [[nodiscard]] bool sees_all(const CameraModel& camera) const {
+    return std::all_of(squares_.begin(), squares_.end(), [&](const Square& square) {
+      return camera.covers_all(square.corners_px);
+    });
+  }
 
   [[nodiscard]] std::vector<Rigid3> poses() const {
     std::vector<Rigid3> all;
