@@ -134,9 +134,8 @@ class LensFit {
 
   /// A lens that ends short of what was seen is not the one.
   [[nodiscard]] bool sees_all(const CameraModel& camera) const {
-    return std::all_of(squares_.begin(), squares_.end(), [&](const Square& square) {
-      return camera.covers_all(square.corners_px);
-    });
+    return std::all_of(squares_.begin(), squares_.end(),
+                       [&](const Square& square) { return camera.covers_all(square.corners_px); });
   }
 
   [[nodiscard]] std::vector<Rigid3> poses() const {

@@ -52,7 +52,7 @@ const CameraParameters kWide[] = {
     {1000, 1000, 301, 300, 500.5, 498, Distortion::eucm, {0.61, 1.08}},
     {1000, 1000, 180, 180, 500, 500, Distortion::eucm, {0.5, 1.0}},
     {1000, 1000, 242, 241, 500.5, 498, Distortion::double_sphere, {-0.19, 0.58}},
-    {600, 600, 170, 170, 300, 300, Distortion::double_sphere, {-0.3, 0.7}},
+    {600, 600, 170, 170, 300, 300, Distortion::double_sphere, {-0.3, 0.65}},
     {1000, 1000, 200, 200, 500, 500, Distortion::double_sphere, {0.2, 0.5}},
 };
 
