@@ -16,6 +16,9 @@ constexpr double kLinear_rad = 0.25;
 constexpr int kCameraViews = 24;
 /// Blocks of evidence that tell whether a verdict still holds.
 constexpr int kBlocksToRevoke = 4;
+/// Different markers in which a camera's fault shows, of a map of at least twice as many: fewer may
+/// have moved together, which looks alike.
+constexpr int kCameraMarkers = 8;
 /// Kinds of faults of a camera.
 constexpr std::size_t kKindsOfCamera = 4;
 /// Newer observations that can speak against a verdict.
@@ -272,7 +275,8 @@ bool ErrorModel::nameable(const Score& score) const {
            (score.marker.head<3>().norm() >= options_.marker_m ||
             score.marker.tail<3>().norm() >= options_.marker_rad);
   }
-  if (score.views < kCameraViews) return false;
+  const int fewest = std::min(kCameraMarkers, static_cast<int>(map_.size() / 2));
+  if (score.views < kCameraViews || score.markers < fewest) return false;
   if (score.what.kind != AlertKind::extrinsics_off) return true;
   return score.camera.head<3>().norm() >= options_.camera_m ||
          score.camera.segment<3>(3).norm() >= options_.camera_rad;

@@ -34,6 +34,7 @@ void Evidence::prepare(System& system) const {
   system.evidence.setZero(size);
   system.markers.reserve(kMostMarkers);
   system.views.reserve(kMostMarkers);
+  system.seen_by.reserve(kMostMarkers);
   system.sets_of_camera.assign(cameras_, 0);
   system.sets = 0;
 }
@@ -44,6 +45,7 @@ void Evidence::empty(System& system) const {
   system.evidence.head(used).setZero();
   system.markers.clear();
   system.views.clear();
+  system.seen_by.clear();
   std::fill(system.sets_of_camera.begin(), system.sets_of_camera.end(), 0);
   system.sets = 0;
 }
@@ -66,6 +68,7 @@ std::optional<std::size_t> Evidence::slot_in(System& system, std::size_t map_ind
     if (system.markers.size() == kMostMarkers) return std::nullopt;
     system.markers.push_back(map_index);
     system.views.push_back(0);
+    system.seen_by.push_back(0);
     return system.markers.size() - 1;
   }
   return static_cast<std::size_t>(found - system.markers.begin());
@@ -116,6 +119,7 @@ void Evidence::add(const Rigid3& world_from_rig, std::span<const EvidenceRow> ro
     pull += row.columns.by_pose.transpose() * row.columns.residual;
     block.views[*slot] += seen[*slot] ? 0 : 1;
     seen.set(*slot);
+    block.seen_by[*slot] |= camera_bit(row.camera);
     ++block.sets_of_camera[row.camera];
   }
   if (touched_.empty()) {
@@ -161,6 +165,7 @@ bool Evidence::add_block(const Block& block, System& system) const {
     const Eigen::Index from = at_marker(i);
     const Eigen::Index to = at_marker(slot);
     system.views[slot] += block.views[i];
+    system.seen_by[slot] |= block.seen_by[i];
     system.evidence.segment<6>(to) += block.evidence.segment<6>(from);
     system.information.block(to, 0, 6, calibration_) +=
         block.information.block(from, 0, 6, calibration_);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/estimate/calibration_prior.h"
+#include "locd/camera_mask.h"
 
 namespace waymark {
 
@@ -51,6 +52,7 @@ class Evidence {
     Eigen::VectorXd evidence;
     std::vector<std::size_t> markers;  ///< map indices, in their order
     std::vector<int> views;            ///< of each marker: sets that show it
+    std::vector<CameraMask> seen_by;   ///< of each marker: the cameras
     std::vector<int> sets_of_camera;   ///< observations of each camera
     int sets = 0;
   };

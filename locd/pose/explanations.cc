@@ -229,6 +229,10 @@ void Explanations::score_camera(int camera, AlertKind kind) {
   score.camera = gain.fault.cwiseProduct(widths);
   score.camera_sigma = gain.sigma.cwiseProduct(widths);
   score.views = system_->sets_of_camera[static_cast<std::size_t>(camera)];
+  const CameraMask bit = camera_bit(static_cast<std::size_t>(camera));
+  score.markers =
+      static_cast<int>(std::count_if(system_->seen_by.begin(), system_->seen_by.end(),
+                                     [&](CameraMask mask) { return (mask & bit) != 0; }));
 }
 
 void Explanations::score_marker(Eigen::Index at, std::size_t slot) {

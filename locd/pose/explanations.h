@@ -31,6 +31,7 @@ struct Score {
   CalibrationVector camera_sigma;
   Vector6d marker = Vector6d::Zero();  ///< of a marker
   int views = 0;                       ///< new ones that tell of it
+  int markers = 0;                     ///< different ones that a camera shows
 };
 
 /// Scores all explanations of one system of evidence against each other: an explanation is another

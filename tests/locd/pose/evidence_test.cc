@@ -54,6 +54,14 @@ TEST_F(Sets, AreNewWhereTheRigHasMovedOrTurned) {
   EXPECT_TRUE(evidence_.is_new(Rigid3(), distance_m));
 }
 
+TEST_F(Sets, TellWhichCamerasShowAMarkerAndCountItOnce) {
+  add({row(1, 0), row(1, 1), row(2, 1)});
+  evidence_.sum(1, system_);
+  ASSERT_EQ(system_.markers, (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(system_.seen_by, (std::vector<CameraMask>{0b11, 0b10}));
+  EXPECT_EQ(system_.views, (std::vector<int>{1, 1}));
+}
+
 TEST_F(Sets, OfNewMarkersAlwaysCountHoweverManyCameBefore) {
   for (std::size_t m = 0; m < 90; m += 3) {
     add({row(m, 0), row(m + 1, 1), row(m + 2, 1)});
