@@ -31,7 +31,7 @@ class Evidence {
   static constexpr int kBlocks = 17;
   /// Markers of a block, and those that are asked about at a time: of more the first seen in a
   /// block, and as many of the newest blocks as hold no others.
-  static constexpr std::size_t kMostMarkers = 48;
+  static constexpr std::size_t kMostMarkers = 40;
 
   /// `blocks`: how many are kept (2–kBlocks).
   explicit Evidence(const CalibrationPrior& prior, int blocks = kBlocks);
